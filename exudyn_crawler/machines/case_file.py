@@ -1,4 +1,4 @@
-"""A case with the duration of its run and what the run leaves: size, text, and how two of them differ."""
+"""Case file: a case, the duration of its run and its outputs; size checks, text and comparison."""
 
 import math
 import os
@@ -17,19 +17,19 @@ from exudyn_crawler.settings.parameters import Errors, Parameters, Rising, optio
 from meshes import geometry, mesh_named
 
 NUMBER = 8  # bytes
-FALLBACK_MEMORY = 64e9  # bytes, taken for the machine's memory where the system does not tell it
-GREATEST_HISTORY = 1e12  # bytes of a history on disk
-A_UNIT = 20e3  # bytes of a unit that is a body of the multibody system with its joints
+FALLBACK_MEMORY = 64e9  # assumed memory, bytes, if the system does not tell it
+GREATEST_HISTORY = 1e12  # size limit of a history on disk, bytes
+A_UNIT = 20e3  # memory of a unit that is a body of the multibody system with its joints, bytes
 HEAD = 'Case of exudyn-crawler, in SI units; "none" stands for no value.'
 IN_WORDS = 'Numbers are in the units of their comments, or texts with units: "20 MN/m", "9 km/h", "5 min".'
-DIGITS = 10  # of a number in a file to be changed by hand: those behind are rounding alone
+DIGITS = 10  # significant digits of a number in a file for editing by hand; further ones are rounding
 Time = Annotated[float, Ge(0.0)]
-MANIFOLD = 2.0  # from which on a ratio is read as such and not in per cent
-ABSENT = "-"  # in place of a value that a case does not have
+MANIFOLD = 2.0  # ratio above which a difference is shown as a ratio, not in per cent
+ABSENT = "-"  # stands for a missing value
 
 
 def check_run(case: object, duration: object) -> None:
-    """Refuse what is no `Case` (TypeError), and a run (s) that cannot be (ValueError)."""
+    """Raise `TypeError` for an object that is no `Case`, `ValueError` for an impossible run (s)."""
     if not isinstance(case, Case):
         how = "such as Case.translation() or read_case(path).case"
         raise TypeError(f"case must be a Case, {how}, got {fields.shown(case)}")
@@ -42,14 +42,14 @@ def check_run(case: object, duration: object) -> None:
 
 
 def check_case_file(case_file: object) -> None:
-    """Refuse, by a `TypeError` that says how to get one, what is no `CaseFile`."""
+    """Raise `TypeError` for an object that is no `CaseFile`; the message says how to get one."""
     if not isinstance(case_file, CaseFile):
         how = "such as CaseFile(case=case, duration=10.0) or read_case(path)"
         raise TypeError(f"case_file must be a CaseFile, {how}, got {fields.shown(case_file)}")
 
 
 def check_size(case: Case, duration: float) -> None:
-    """Refuse, by a `ValueError`, a run (s) that no memory of this machine or no disk would hold."""
+    """Raise `ValueError` for a run (s) beyond this machine's memory or the size limit of a history."""
     terrain = case.terrain
     if terrain.model == "units":
         # singular value decomposition of the joints' equations in the heave and tilt of every unit
@@ -68,7 +68,7 @@ def check_size(case: Case, duration: float) -> None:
 
 
 def machine_memory() -> float:
-    """Memory of this machine, bytes."""
+    """Return the memory of this machine, bytes."""
     try:
         return float(os.sysconf("SC_PAGE_SIZE")) * os.sysconf("SC_PHYS_PAGES")
     except (AttributeError, OSError, ValueError):
@@ -76,7 +76,7 @@ def machine_memory() -> float:
 
 
 def stored_numbers(case: Case) -> int:
-    """Numbers of a stored state in a history, about: coordinates with two rates, units and contacts."""
+    """Return the approximate size of a stored state: coordinates with two rates, units and contacts."""
     shoes = case.track.shoe_count
     units = len(case.terrain.units)
     modes = 0 if case.flexible is None else case.flexible.mode_count * len(case.flexible.shoes)
@@ -106,7 +106,7 @@ class Outputs(Parameters):
     shoes: Rising[int] | None = option("that are drawn; none: five along the track", None, min_length=1)
 
     def drawn_shoes(self, shoe_count: int) -> tuple[int, ...]:
-        """Shoes to draw of a track: those asked for, else up to five, the ends included."""
+        """Return the shoes of a track to draw: the chosen ones, else up to five, ends included."""
         if self.shoes is not None:
             return self.shoes
         count = min(5, shoe_count)
@@ -114,11 +114,11 @@ class Outputs(Parameters):
 
 
 BARE = Outputs(figures=False, pictures=False, paraview=False, forces=False, tables=False, page=False)
-"""What a run leaves that is one of many: pictures of all of them take longer than the runs do."""
+"""Outputs of one run among many: drawing all of their pictures would take longer than the runs."""
 
 
 class CaseFile(Parameters):
-    """Case with the duration of its run and what the run leaves."""
+    """Case with the duration of its run and the outputs."""
 
     case: Annotated[Case, fields.BESIDE]
     duration: float = quantity("s", "simulated time", default=10.0, allow_inf_nan=True)
@@ -139,7 +139,7 @@ class CaseFile(Parameters):
 
 
 def case_text(case_file: CaseFile, by_hand: bool = False) -> str:
-    """Case file as TOML with a comment for every value; `by_hand` with units in words, without rounding."""
+    """Return a case file as TOML with a comment for every value; `by_hand` with units as text, ten digits."""
     heads = (HEAD, *([IN_WORDS] if by_hand else ()), *_bases(Case))
     lines = [f"# {line}" for line in heads] + [""]
     for entry in fields.walk(case_file):
@@ -153,7 +153,7 @@ def case_text(case_file: CaseFile, by_hand: bool = False) -> str:
 
 
 def _head(entry: fields.Item) -> list[str]:
-    """Lines that begin a table: its name, what it is, and the named values that its `base` may take."""
+    """Return the first lines of a table: its name, its meaning, and the named values of its `base`."""
     name = ".".join(fields.names_of(entry.place))
     if isinstance(entry.place[-1], int):
         return ["", f"[[{name}]]"]
@@ -167,7 +167,7 @@ def _bases(*kinds: type[BaseModel]) -> list[str]:
 
 
 def typed_text(entry: fields.Item) -> str:
-    """Value as it is typed, so that it can be read again: with its unit where it is a number."""
+    """Return a value as a user types it, with its unit if it is a number, so that it can be read again."""
     value = entry.value
     if value is None or isinstance(value, str | bool | Path):
         return "" if value is None else fields.value_text(value)
@@ -177,9 +177,9 @@ def typed_text(entry: fields.Item) -> str:
 
 
 def _toml(value: object, unit: str, by_hand: bool) -> str:
-    """Value as TOML; `by_hand` in kN, MPa and MN/m, and without digits that are rounding."""
+    """Return a value as TOML; `by_hand` in kN, MPa and MN/m, and without digits from rounding."""
     if isinstance(value, tuple):
-        # all numbers of a list have a unit, or none has
+        # either all numbers of a list have a unit, or none
         has_units = by_hand and "exponent" not in unit and bool(fields.prefix_of(value, unit))
         items = (
             f'"{item:.{DIGITS}g} {unit}"'
@@ -201,11 +201,11 @@ def _toml(value: object, unit: str, by_hand: bool) -> str:
 
 
 def run_lines(case_file: CaseFile) -> list[str]:
-    """Say what a case comes to before a run: weights, pressure and sinkage; travel and steps; a line each.
+    """Return lines on a case before its run: weights, pressure, sinkage, travel and steps.
 
-    Where a machine is on the track, the pressure below its shoes is that of its rest, which
-    `run.solve.standing` finds. A third line has the weights of rigid and of flexible shoes. Raises if these
-    have no mesh.
+    If a machine is on the track, `run.solve.standing` finds the pressure below its shoes at rest. A third
+    line has the weights of rigid and of flexible shoes. Raise an error if the mesh of flexible shoes is
+    missing.
     """
     case = case_file.case
     end = float(case_file.duration)
@@ -233,7 +233,7 @@ def run_lines(case_file: CaseFile) -> list[str]:
     ]
     if case.flexible is not None:
         mesh = case.flexible.mesh
-        # a case without a mesh of its own need not wait for one to be read
+        # a case without its own mesh need not wait for the reading of one
         volume = geometry.VOLUMES[mesh] if mesh in geometry.VOLUMES else mesh_named(mesh).volume
         mass = volume * case.flexible.density
         weigh = f"rigid ones weigh {shoe.mass:.6g} kg each, flexible ones {mass:.6g} kg"
@@ -244,7 +244,7 @@ def run_lines(case_file: CaseFile) -> list[str]:
 
 
 class Difference(NamedTuple):
-    """A value in which two cases differ."""
+    """Difference between two cases in one value."""
 
     key: str
     first: str  # with its unit
@@ -255,7 +255,7 @@ class Difference(NamedTuple):
 
 
 def differences(first: BaseModel, second: BaseModel) -> list[Difference]:
-    """Values in which two cases or case files differ."""
+    """Return the values in which two cases or case files differ."""
     a, b = ({entry.path: entry for entry in fields.values_of(case)} for case in (first, second))
     return [
         Difference(key, *_texts(a.get(key), b.get(key)))
@@ -265,7 +265,7 @@ def differences(first: BaseModel, second: BaseModel) -> list[Difference]:
 
 
 def _texts(*entries: fields.Item | None) -> tuple[str, str]:
-    """Two values that differ for reading, with all digits where fewer would hide it."""
+    """Return two differing values as text, with all digits if fewer would hide the difference."""
     first, other = (ABSENT if has is None else fields.value_text(has.value, has.unit) for has in entries)
     if first == other:
         first, other = (ABSENT if has is None else f"{has.value!r} {has.unit}".rstrip() for has in entries)
@@ -273,7 +273,7 @@ def _texts(*entries: fields.Item | None) -> tuple[str, str]:
 
 
 def nearest_base(case: Case) -> tuple[str, dict[str, str]]:
-    """Named case from which the fewest values of a case differ, but for its name, and its values of these."""
+    """Return the named case with the fewest differing values, name apart, and its own values of these."""
 
     def texts(values: Case) -> dict[str, str]:
         return {row.key: row.value for row in fields.case_rows(values.with_(name="case"))}

@@ -1,7 +1,8 @@
-"""Case files: everything that a run depends on, as TOML, and their schema, by which editors check them.
+"""Case files: all inputs of a run as TOML, and their schema for checks in editors.
 
-A file gives the fields of `Case` and, beside them, `duration` and `[outputs]`, or what of them differs from a
-`base`: a named case such as "translation" at its top, a constructor such as "stress" in the table of a part.
+A file gives the fields of `Case` and, beside them, `duration` and `[outputs]`, or only the differences from a
+`base`. At the top of a file the base is a named case such as "translation". In the table of a part it is a
+constructor such as "stress".
 """
 
 import difflib
@@ -25,24 +26,24 @@ from exudyn_crawler.settings import fields, reading, units
 
 BESIDE = ("duration", "outputs", datasheets.KEY)
 """Keys of a case file beside those of its case."""
-CYCLE = "file"  # key of the loads that names a file with their cycle, and of a soil law's file
+CYCLE = "file"  # key of the load cycle's file in the loads, and of the law file in a soil law
 TEXT = {"type": "string", "description": "a number with its unit, such as '20 MN/m'"}
 DRAFT = "https://json-schema.org/draft/2020-12/schema"
 
 
 def read_case(path: str | Path, changes: Iterable[str] = ()) -> CaseFile:
-    """Read a case file; paths of mesh, load cycle, measured heights and ruts count from the file's folder.
+    """Read a case file; paths of mesh, load cycle, measured heights and ruts start at the file's folder.
 
-    `changes` are values in place of the file's, each as ``terrain.spring_stiffness=1e7`` or, of an item of a
-    list that the file or a base has, ``loads.phases[0].end=15``. A FileNotFoundError if there is no such
-    file, a CaseFileError that names every key at fault by its path, and what is allowed there.
+    `changes` replace values of the file, each as ``terrain.spring_stiffness=1e7``. For an item of a list in
+    the file or a base, the form is ``loads.phases[0].end=15``. Raise `FileNotFoundError` if the file does not
+    exist. Raise `CaseFileError` with the path of every wrong key and its allowed values.
     """
     resolved = partial(_resolved, folder=Path(path).parent, changes=changes)
     return reading.read_parameters(path, CaseFile, "case file", resolved)
 
 
 def case_of(entry: Any, path: Path) -> CaseFile:
-    """Case that a file `path` names, of `Case` or a case file, or has as a table; raises as `read_case`."""
+    """Return the case named by a file `path`, as a `Case`, a case file or a table; raises as `read_case`."""
     if isinstance(entry, str) and entry in fields.named_values(Case):
         entry = {fields.BASE: entry}
     if isinstance(entry, str):
@@ -60,10 +61,10 @@ def case_of(entry: Any, path: Path) -> CaseFile:
 def write_case(
     case_file: CaseFile, path: str | Path, overwrite: bool = False, *, by_hand: bool = False
 ) -> Path:
-    """Write all values with units and meanings; read back, the file gives an equal object.
+    """Write all values with units and meanings; reading the file gives an equal object.
 
-    One to be changed `by_hand` has units in words and numbers of ten digits. A FileExistsError if the file
-    exists and `overwrite` is false.
+    A file to be changed `by_hand` has units as text and numbers of ten digits. Raise `FileExistsError` if the
+    file exists and `overwrite` is false.
     """
     path = Path(path)
     with whole_file(path, overwrite) as temporary:
@@ -72,12 +73,12 @@ def write_case(
 
 
 def saved_case(text: str | bytes) -> Case:
-    """Case from the JSON in a history or a checkpoint; `ValueError` if it is none."""
+    """Return the case from the JSON in a history or a checkpoint; raise `ValueError` for other content."""
     return Case(**json.loads(text))
 
 
 def _change(text: str) -> tuple[str, fields.KeyPath, Any]:
-    """Key, path and value of "key = value" as TOML has it; a key is a path, or its last names if unique."""
+    """Return key, path and value of a TOML text "key = value"; unique last names of a path are a key too."""
     key, equals, value = (part.strip() for part in text.partition("="))
     try:
         path = fields.parse_path(key)
@@ -90,17 +91,17 @@ def _change(text: str) -> tuple[str, fields.KeyPath, Any]:
 
 
 def typed_value(text: str) -> Any:
-    """Value that is typed: as TOML has it, and a text, such as one with a unit, where it is none."""
+    """Return a typed value: a TOML value, or else the text itself, such as a number with a unit."""
     try:
         content = tomllib.loads(f"value = {text}")
     except (ValueError, RecursionError):
         content = {}
-    # a line break could hide more
+    # a line break could hide further keys
     return content["value"] if len(content) == 1 else text
 
 
 def case_of_text(text: str, folder: Path, name: str = "case") -> CaseFile:
-    """Case of the text of a case file of a name in a folder; raises as `read_case`."""
+    """Return the case of a case file's text, for a name in a folder; raises as `read_case`."""
     path = folder / f"{name}.toml"
     with reading.errors_named(path, CaseFile):
         content = reading.content_of(text)
@@ -108,12 +109,12 @@ def case_of_text(text: str, folder: Path, name: str = "case") -> CaseFile:
 
 
 def _whole_path(key: str, path: fields.KeyPath) -> fields.KeyPath:
-    """Path in a case file, of which a key may give the last names alone."""
+    """Return the full path of a key in a case file, which may give the last names alone."""
     names = ".".join(fields.names_of(path))
     known = list(fields.key_paths(CaseFile))
     if path[-1] in (fields.BASE, CYCLE) or any(f"{choice}.".startswith(f"{names}.") for choice in known):
         return path
-    # a datasheet has some names of its own: its values have to be named with it
+    # a datasheet has some names of its own: keys of its values must include the table
     meant = [
         choice
         for choice in known
@@ -130,7 +131,7 @@ def _whole_path(key: str, path: fields.KeyPath) -> fields.KeyPath:
 
 
 def _resolved(content: reading.Content, folder: Path, changes: Iterable[str] = ()) -> reading.Content:
-    """Values of a file in a folder as `CaseFile` takes them: bases filled in, and changes made."""
+    """Return the values of a file in a folder for `CaseFile`: bases filled in, and changes made."""
     content = dict(content)
     of_items = []
     cycle = None
@@ -166,7 +167,7 @@ def _resolved(content: reading.Content, folder: Path, changes: Iterable[str] = (
     whole = beside | {"case": with_equal_loads(case)}
     for key, path, value in of_items:
         with fields.errors_at(key):
-            # beside numbers that are in the fields' own units by now
+            # the other numbers have the fields' own units by now
             unit = fields.unit_at(CaseFile, path)
             number = value if unit is None else units.number_of(value, unit)
             whole = fields.with_value(whole, path, number, CaseFile)
@@ -175,7 +176,7 @@ def _resolved(content: reading.Content, folder: Path, changes: Iterable[str] = (
 
 
 def _with_law(content: reading.Content, folder: Path) -> reading.Content:
-    """Values of a case whose soil law has those of the file that it names, where it says no more itself."""
+    """Return the values of a case with its soil law completed from the law file that it names."""
     contact = content.get("contact")
     law = contact.get("law") if isinstance(contact, dict) else None
     if not isinstance(contact, dict) or not isinstance(law, dict) or CYCLE not in law:
@@ -192,9 +193,9 @@ def _with_law(content: reading.Content, folder: Path) -> reading.Content:
 
 
 def with_equal_loads(case: reading.Content) -> reading.Content:
-    """Values of a case with one number for the loads on all shoes put on each of them.
+    """Return the values of a case with a single number of loads applied to each of its shoes.
 
-    The loads of a machine, which its wheels bring to its shoes, are none on however many there are.
+    The loads of a machine act through its wheels; its shoes have no loads, at any number of shoes.
     """
     if "loads" not in case:
         return case
@@ -207,17 +208,17 @@ def with_equal_loads(case: reading.Content) -> reading.Content:
 
 
 def _shoe_count(case: reading.Content) -> int:
-    """Number of shoes of the values of a case; one where it is none, which is refused with all else."""
+    """Return the number of shoes in the values of a case; 1 for an invalid one, refused later."""
     chain = case.get("track")
     count = chain.get("shoe_count") if isinstance(chain, dict) else None
     return count if isinstance(count, int) and 0 < count <= track.MOST_SHOES else 1
 
 
 class _FileSchema(GenerateJsonSchema):
-    """Schema of files whose tables have a `base`, texts with units for numbers, and "none" for no value."""
+    """Schema of files with a `base` in tables, texts with units for numbers, and "none" for no value."""
 
     def model_schema(self, schema: Any) -> dict[str, Any]:
-        """Table of a class, all of whose keys may be left out."""
+        """Return the table of a class with only optional keys."""
         kind = schema["cls"]
         if kind is terrain.SoilLaw:
             laws = kind.plugged_in()
@@ -242,32 +243,32 @@ class _FileSchema(GenerateJsonSchema):
         return table
 
     def float_schema(self, schema: Any) -> dict[str, Any]:
-        """Number, or a text with its unit."""
+        """Return the schema of a number or a text with its unit."""
         return {"anyOf": [super().float_schema(schema), TEXT]}
 
     def tuple_schema(self, schema: Any) -> dict[str, Any]:
-        """List; one load stands for those of all shoes."""
+        """Return the schema of a list; a single load applies to all shoes."""
         array = super().tuple_schema(schema)
         return array if "prefixItems" in array else {"anyOf": [array, {"type": "number"}, TEXT]}
 
     def nullable_schema(self, schema: Any) -> dict[str, Any]:
-        """Value, or "none"."""
+        """Return the schema of a value or "none"."""
         return {"anyOf": [self.generate_inner(schema["schema"]), {"const": fields.NONE}]}
 
     def tagged_union_schema(self, schema: Any) -> dict[str, Any]:
-        """Table of any of several classes: what tells them apart may come from the base."""
+        """Return the schema of a table of any of several classes; the base may give the tag."""
         return {"anyOf": super().tagged_union_schema(schema)["oneOf"]}
 
     def encode_default(self, dft: Any) -> Any:
-        """Default as a file has it."""
+        """Return a default as written in a file."""
         return fields.NONE if dft is None else super().encode_default(dft)
 
 
 def case_schema() -> dict[str, Any]:
-    """JSON schema of what a case file may hold.
+    """Return the JSON schema of a case file.
 
-    Every key may be left out, a table may name a `base`, a number may be a text with its unit, and "none"
-    says that there is none. What values have to be to each other is left to the program.
+    Every key may be left out, and a table may name a `base`. A number may be a text with its unit, and "none"
+    stands for no value. The program itself checks relations between values.
     """
     whole = CaseFile.model_json_schema(schema_generator=_FileSchema)
     case = whole["$defs"].pop("Case")["properties"]

@@ -13,13 +13,13 @@ from exudyn_crawler.machines.edited_text import table_of
 from exudyn_crawler.settings.constraints import presets
 
 Values = dict[str, Any]
-"""Of a case file by their paths, to be changed together; None leaves a key out."""
+"""Values of a case file by their paths, to be changed together; None removes a key."""
 SOIL = "soil"
 SLOPE = "slope"
 OBSTACLE = "put ahead of the machine"
 DUTY = "travel or work"
 AHEAD = 1.0
-"""M ahead of the foremost shoe at which an obstacle is put."""
+"""Distance of a new obstacle ahead of the foremost shoe, m."""
 OBSTACLES: dict[str, Values] = {
     "stone": {"model": "stone", "height": 0.1, "width": 0.1, "flank": 0.3, "y": 0.0},
     "ridge": {"model": "ridge", "height": 0.1, "width": 0.2, "flank": 0.3},
@@ -27,25 +27,25 @@ OBSTACLES: dict[str, Values] = {
     "ramp": {"model": "ramp", "height": 0.2, "flank": 1.0},
     "waves": {"model": "waves", "height": 0.05, "length": 2.0},
 }
-"""What may lie on the ground, with sizes to begin with."""
+"""Obstacles on the ground with initial sizes, m."""
 SLOPES = {
     "level": (None, None),
     "up, 20 %": (0.2, None),
     "down, 20 %": (-0.2, None),
     "across, 15 %": (None, 0.15),
 }
-"""Grades ahead and across."""
+"""Grade and side slope by name."""
 TRAVELS = {"propel": "straight", "propel backward": "backward", "turn on the spot": "on the spot"}
 TRAVELLED = 5.0
-"""S of a run of one of these."""
+"""Duration of a travel run, s."""
 DIG = "dig, swing and dump"
 STANDS = {"times": [0.0], "values": [0.0]}
 
 
 def lists() -> dict[str, dict[str, Callable[[CaseFile], Values]]]:
-    """Functions of a case file that give the values which make it so, by list and name.
+    """Return functions from a case file to the values of each list and name.
 
-    Travel and work are those of machines from their datasheets.
+    Travel and work apply to machines from datasheets.
     """
     laws = presets(CellContact.model_fields["law"])
     return {

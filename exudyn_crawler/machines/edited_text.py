@@ -1,4 +1,4 @@
-"""Text of a case file with other values, as a hand would write them: comments and all else stay."""
+"""Edited text of a case file: values change, comments and all else stay."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -10,11 +10,10 @@ from exudyn_crawler.settings import fields, units
 
 
 def changed_text(text: str, values: Mapping[str, Any], case_file: CaseFile) -> str:
-    """Text with other values at paths such as ``terrain.grade`` or ``terrain.relief.parts[0]``.
+    """Return a text with new values at paths such as ``terrain.grade`` or ``terrain.relief.parts[0]``.
 
-    None leaves a key out, and takes an item out of its list; the number behind the last item adds one.
-    Tables are made where they are missing. Of a list that the text does not have, all items are taken from
-    `case_file`, which is the text's.
+    None removes a key, or an item from its list; the number after the last item adds one. Missing tables are
+    created. For a list missing from the text, all items come from `case_file`, which is the case of the text.
     """
     toml = tomlkit.parse(text)
     for path, value in values.items():
@@ -30,13 +29,13 @@ def changed_text(text: str, values: Mapping[str, Any], case_file: CaseFile) -> s
             table = table[part]
         else:
             is_among_numbers = isinstance(place[-1], int) and any(map(fields.is_number, table))
-            # one with a unit stands beside others with units only
+            # a list has units on all of its items or on none
             _put(table, place[-1], units.number_of(value, unit) if is_among_numbers and unit else value)
     return tomlkit.dumps(toml)
 
 
 def table_of(case_file: CaseFile, place: fields.KeyPath) -> Any:
-    """Table or list at a path of a case, as a file has it."""
+    """Return the table or list at a path of a case, as written in a file."""
     values: Any = tomlkit.parse(case_text(case_file, by_hand=True))
     for part in place:
         values = values.get(part, []) if isinstance(part, str) else values[part]
@@ -44,7 +43,7 @@ def table_of(case_file: CaseFile, place: fields.KeyPath) -> Any:
 
 
 def _put(table: Any, key: int | str, value: Any) -> None:
-    """Put a value into a table or a list, behind its end too; None takes out what is there."""
+    """Put a value into a table, or into a list or at its end; None removes the entry."""
     if value is None:
         if isinstance(key, int) or key in table:
             del table[key]

@@ -1,4 +1,4 @@
-"""Shoes of case files by a mesh: `[shoe] mesh`, of which shoe, pins and the mesh of flexible shoes follow."""
+"""Shoes of case files from a mesh: `[shoe] mesh` gives shoe, pins and the mesh of flexible shoes."""
 
 import os
 from pathlib import Path
@@ -12,11 +12,11 @@ KEY = "mesh"
 
 
 def with_mesh_shoe(content: reading.Content, folder: Path) -> reading.Content:
-    """Content of a case file in a folder whose shoes are those of a mesh, if its `[shoe]` names one.
+    """Return the content of a case file in a folder with the shoe of a mesh, if `[shoe]` names one.
 
-    Of the mesh follow the shoe, the pitch, the pins' places in `[track]` and, where there is a table
-    `[flexible]`, its mesh, what bears the load and whether it has static fields; what the file says itself
-    stays. A ValueError says if the mesh is none of a shoe, or stands beside a `base` of `[shoe]`.
+    The mesh gives the shoe, the pitch and the pin positions in `[track]`. In a table `[flexible]` it gives
+    the mesh, the load surface and whether there are static fields. Values stated in the file stay. Raise
+    `ValueError` if the mesh is no shoe, or if it stands beside a `base` of `[shoe]`.
     """
     shoe = content.get("shoe")
     if not isinstance(shoe, dict) or KEY not in shoe:

@@ -1,4 +1,4 @@
-"""Values of its base that a case file keeps in tables whose scale it changes, for reading."""
+"""Values of the base that a case file keeps in tables of changed scale, as text."""
 
 from collections.abc import Iterable, Mapping
 from pathlib import Path
@@ -8,17 +8,17 @@ from exudyn_crawler.machines.case_files import read_case
 from exudyn_crawler.settings import fields, reading
 
 SCALES = ("mass", "length", "width", "pitch", "radius", "distance")
-"""Ends of the names of quantities that say how large a part is."""
-CHANGED = 1.5  # times as much or as little as in the base, from which on a part has another scale
+"""Endings of the names of quantities that give the size of a part."""
+CHANGED = 1.5  # ratio to the base's value, or its inverse, above which a part has another scale
 OF_NO_MACHINE = ("terrain", "contact", "drive", "loads", "solver", "flexible", "machine")
-"""Tables of a case that do not go with its machine's scale."""
+"""Tables of a case that do not scale with its machine."""
 
 
 def kept_lines(path: str | Path, changes: Iterable[str] = ()) -> list[str]:
-    """Quantities of a case file's base that stay in parts of which the file changes the scale, a line a part.
+    """Return the unchanged quantities of a file's base in parts of changed scale, a line for each part.
 
-    Parts of the machine that such a file does not mention stay as a whole. A file without a base, and one
-    that stays near to its scale, keep nothing in silence. For `changes` and errors see `read_case`.
+    Parts of the machine that such a file does not mention stay as a whole. The result is empty for a file
+    without a base, or with a scale near to that of its base. For `changes` and errors see `read_case`.
     """
     path = Path(path)
     changes = list(changes)
@@ -47,7 +47,7 @@ def kept_lines(path: str | Path, changes: Iterable[str] = ()) -> list[str]:
 
 
 def _tables(case: Case) -> dict[str, list[fields.Item]]:
-    """Values of the machine's parts by the paths of their tables."""
+    """Return the values of the machine's parts by the paths of their tables."""
     tables: dict[str, list[fields.Item]] = {}
     for entry in fields.values_of(case):
         if len(entry.place) > 1 and entry.place[0] not in OF_NO_MACHINE:
@@ -56,7 +56,7 @@ def _tables(case: Case) -> dict[str, list[fields.Item]]:
 
 
 def _scaled(entries: Iterable[fields.Item], of_base: Mapping[str, fields.Item]) -> list[fields.Item]:
-    """Sizes that are others than in the base, by far."""
+    """Return the sizes that differ much from those of the base."""
     others = []
     for entry in entries:
         before = of_base.get(entry.path)
@@ -70,13 +70,13 @@ def _scaled(entries: Iterable[fields.Item], of_base: Mapping[str, fields.Item]) 
 
 
 def _is_size(entry: fields.Item) -> bool:
-    """True for a quantity with a unit that is not nothing."""
+    """Return True for a nonzero quantity with a unit."""
     numbers = entry.value if isinstance(entry.value, tuple) else (entry.value,)
     return bool(entry.unit) and any(number not in (None, 0.0, 0) for number in numbers)
 
 
 def _is_kept(entry: fields.Item, of_base: Mapping[str, fields.Item], in_file: set[fields.KeyPath]) -> bool:
-    """True for a quantity of the base that the file does not give."""
+    """Return True for a quantity of the base that the file does not state."""
     before = of_base.get(entry.path)
     return (
         before is not None and _is_size(entry) and entry.value == before.value and entry.place not in in_file
@@ -84,6 +84,6 @@ def _is_kept(entry: fields.Item, of_base: Mapping[str, fields.Item], in_file: se
 
 
 def _in_both(entry: fields.Item, before: fields.Item) -> str:
-    """Value in the file and in the base, for reading."""
+    """Return the values in the file and in the base as text."""
     texts = (fields.value_text(each.value, each.unit) for each in (entry, before))
     return f"{entry.place[-1]} {' in place of '.join(texts)}"

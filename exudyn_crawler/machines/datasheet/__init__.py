@@ -1,5 +1,5 @@
-"""Datasheets: a machine from what its maker prints, every other value by a stated rule or a typical one.
+"""Datasheets: a machine from its maker's figures; rules or typical values give every other value.
 
-`sheet` has what a datasheet may say, `typical` the table of typical values with range and source, `rules`
-small functions with theirs, `derive` the case that follows, and `library` machines as files.
+`sheet` has the keys of a datasheet, `typical` the table of typical values with range and source. `rules` has
+small functions with their sources, `derive` the derived case, and `library` machines as files.
 """

@@ -1,4 +1,4 @@
-"""Chain of a datasheet: pitch, number of shoes, lengths, sprocket, each given or derived from the others."""
+"""Chain of a datasheet: pitch, number of shoes, lengths and sprocket, given or derived from each other."""
 
 import math
 from typing import NamedTuple
@@ -14,13 +14,13 @@ from exudyn_crawler.machines.datasheet.sheet import (
 )
 from exudyn_crawler.origins import Ruled
 
-LOOSE = 0.01  # of a chain's length, by which lengths of a datasheet may disagree
-PLAUSIBLE_GAPS = 8, 18  # of sprockets for which a number of shoes, or a pitch by mass, is taken
+LOOSE = 0.01  # tolerance of the lengths of a datasheet, fraction of the chain's length
+PLAUSIBLE_GAPS = 8, 18  # range of sprocket gaps that supports a number of shoes, or a pitch by mass
 IDLER_SIZES = 0.8, 1.2
-"""Times a printed sprocket's circle: mean of sprocket and idler with which it closes a chain."""
-LONGEST, SHORTEST = 60.0, 5.0  # pitches of a length on ground
+"""Range of the mean circle of sprocket and idler that may close a chain, over a printed sprocket's circle."""
+LONGEST, SHORTEST = 60.0, 5.0  # range of the length on ground, pitches
 HALF_PITCH: tuple[Kind, ...] = ("excavator", "dozer", "loader", "drill", "paver")
-"""Kinds of machines whose sprockets have an odd number of teeth, of which a chain uses every second gap."""
+"""Kinds of machines with half-pitch sprockets: an odd number of teeth, every second gap in use."""
 
 
 class Chain(NamedTuple):
@@ -29,23 +29,23 @@ class Chain(NamedTuple):
     pitch: float
     shoes: int
     on_ground: float  # from the sprocket's axis to the idler's
-    diameter: float  # of the pins' circle about sprocket and idler, their mean
-    gaps: float  # of the sprocket, that its maker has
-    teeth: int  # of the sprocket as it is built
-    gaps_per_shoe: int  # 2 of a half-pitch sprocket
-    depth: float  # of the plate's underside below the pins
+    diameter: float  # mean diameter of the pins' circles about sprocket and idler
+    gaps: float  # shoes per turn of the maker's sprocket
+    teeth: int  # number of teeth of the built sprocket
+    gaps_per_shoe: int  # 2 for a half-pitch sprocket
+    depth: float  # depth of the plate's underside below the pins
     grouser: float
     ruled: dict[str, Ruled]
-    """Values with their rules, by their paths, where there are several rules."""
+    """Values with several possible rules, with the rule of each, by their paths."""
 
     @property
     def built_gaps(self) -> float:
-        """Shoes that a whole turn of the sprocket moves as it is built, such as 10.5."""
+        """Shoes moved by a whole turn of the built sprocket, such as 10.5."""
         return self.teeth / self.gaps_per_shoe
 
     @property
     def tips(self) -> float:
-        """Tips of the grousers below the pins, m."""
+        """Depth of the grouser tips below the pins, m."""
         return self.depth + self.grouser
 
     @property
@@ -55,9 +55,9 @@ class Chain(NamedTuple):
 
 
 def chain_of(sheet: Datasheet, gravity: float, depth: float | None = None) -> Chain:
-    """Dimensions of a datasheet's chain; a DatasheetError where they contradict each other.
+    """Return the dimensions of a datasheet's chain; raise `DatasheetError` if they contradict each other.
 
-    `depth` is that of the plate's underside below the pins (m) where a mesh has it.
+    `depth` is that of the plate's underside below the pins (m), if a mesh gives it.
     """
     ruled = {"datasheet.pitch": _pitch(sheet, gravity)}
     pitch: float = ruled["datasheet.pitch"].value
@@ -101,7 +101,7 @@ def chain_of(sheet: Datasheet, gravity: float, depth: float | None = None) -> Ch
 
 
 def _half_teeth(sheet: Datasheet, gaps: float) -> int:
-    """Return twice the shoes that a turn of the sprocket moves as it is built, nearest to its gaps."""
+    """Return twice the shoes per turn of the built sprocket, nearest to its gaps."""
     if sheet.sprocket_gaps is not None:
         return round(2.0 * gaps)
     if sheet.kind in HALF_PITCH:
@@ -114,7 +114,7 @@ def _length(value: float) -> str:
 
 
 def _pitch(sheet: Datasheet, gravity: float) -> Ruled:
-    """Return the pitch, m: given, of the loop's closing, or by the machine's mass."""
+    """Return the pitch, m: given, from the closing of the loop, or from the machine's mass."""
     if sheet.pitch is not None:
         return Ruled(sheet.pitch, "given")
     closing = None if sheet.shoes is None else _closing_pitch(sheet, sheet.shoes, gravity)
@@ -134,7 +134,7 @@ def _pitch(sheet: Datasheet, gravity: float) -> Ruled:
 
 
 def _closing_pitch(sheet: Datasheet, shoes: int, gravity: float) -> Ruled | None:
-    """Return the pitch (m) with which so many shoes close about the lengths; None without a length."""
+    """Return the pitch (m) at which this number of shoes closes about the lengths; None without a length."""
     on_ground = sheet.length_on_ground
     over_shoes = sheet.crawler_length
     depth, grouser = _tips(sheet)
@@ -156,7 +156,7 @@ def _closing_pitch(sheet: Datasheet, shoes: int, gravity: float) -> Ruled | None
 
 
 def _tips(sheet: Datasheet) -> tuple[float, float]:
-    """Tips of the grousers below the pins: a depth in pitches, and a printed height beside it, m."""
+    """Return the depth of grouser tips below the pins: a depth in pitches, and a printed height, m."""
     depth = sheet.typical_value("plate_depth")
     if sheet.grouser_height is not None:
         return depth, sheet.grouser_height
@@ -164,7 +164,7 @@ def _tips(sheet: Datasheet) -> tuple[float, float]:
 
 
 def _gaps(sheet: Datasheet) -> float:
-    """Gaps of the sprocket: printed, or typical."""
+    """Return the gaps of the sprocket: printed, or typical."""
     return sheet.sprocket_gaps or sheet.typical_value("sprocket_gaps")
 
 
@@ -193,7 +193,7 @@ def _diameter(sheet: Datasheet, pitch: float, tips: float) -> Ruled:
 
 
 def _on_ground(sheet: Datasheet, pitch: float, diameter: float, tips: float, gravity: float) -> Ruled:
-    """Return the length on ground, m, where the datasheet has none."""
+    """Return the length on ground, m, for a datasheet without one."""
     over_shoes = sheet.crawler_length
     shoes = sheet.shoes
     counted = sheet.counted_length(gravity)
@@ -207,7 +207,7 @@ def _on_ground(sheet: Datasheet, pitch: float, diameter: float, tips: float, gra
 
 
 def _check_lengths(on_ground: float, pitch: float, shoes: int, what: str) -> None:
-    """Refuse lengths that no track of this pitch has."""
+    """Raise `DatasheetError` for lengths that no track of this pitch has."""
     if on_ground <= 0.0:
         raise DatasheetError(
             f"no {what} is left: shoes of {_length(pitch)} about sprocket and idler take "
@@ -224,7 +224,7 @@ def _check_lengths(on_ground: float, pitch: float, shoes: int, what: str) -> Non
 
 
 def _check_closing(sheet: Datasheet, pitch: float, shoes: int, on_ground: float, diameter: float) -> None:
-    """Refuse a number of shoes that does not close about the lengths."""
+    """Raise `DatasheetError` for a number of shoes that does not close about the lengths."""
     loop = rules.loop_length(on_ground, diameter)
     missing = loop - shoes * pitch
     if abs(missing) <= max(LOOSE * loop, 0.5 * pitch):

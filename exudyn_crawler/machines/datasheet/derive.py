@@ -1,4 +1,4 @@
-"""Case of a datasheet: a machine on two closed tracks, with the rule of every value that follows."""
+"""Case derived from a datasheet: a machine on two closed tracks, with the rule of every derived value."""
 
 import re
 from collections.abc import Iterator
@@ -26,12 +26,12 @@ from exudyn_crawler.origins import Ledger, Ruled
 
 LONG_NUMBER = re.compile(r"(?<![\w.])-?\d+\.\d{3,}(?:e[+-]?\d+)?(?!\w)")
 SMALLER = 0.8, 0.6, 0.4, 0.2, 0.1
-"""Shares of a sag with which no machine follows that are tried."""
+"""Factors tried on a sag that allows no machine."""
 
 
 @dataclass(frozen=True)
 class Derived:
-    """Case that follows from a datasheet, with its chain and the rules of its values."""
+    """Case derived from a datasheet, with its chain and the rules of its values."""
 
     case: Case
     chain: chains.Chain
@@ -39,13 +39,13 @@ class Derived:
 
     @property
     def ledger(self) -> Ledger:
-        """Ledger of figures, of the case's values that a rule gives, and of typical values."""
+        """Ledger of figures, of the case's derived values, and of typical values."""
         return self.ruled.ledger
 
 
 @lru_cache(maxsize=64)
 def derived(sheet: Datasheet) -> Derived:
-    """Return the case of a datasheet; raise a ParameterError in the datasheet's words."""
+    """Return the case of a datasheet; raise `ParameterError` in the datasheet's terms."""
     try:
         return _derived(sheet)
     except ParameterError as error:
@@ -54,7 +54,7 @@ def derived(sheet: Datasheet) -> Derived:
 
 
 def _odd(sheet: Datasheet) -> Iterator[str]:
-    """Yield the figures that no machine has, for which one may not follow."""
+    """Yield the implausible figures, which may be the reason that no machine follows."""
     yield from (f"{key}: {line}" for key, line in plausible.odd_printed(sheet))
     with suppress(ParameterError):
         chain = chains.chain_of(sheet, ph4100c.GRAVITY)
@@ -62,7 +62,7 @@ def _odd(sheet: Datasheet) -> Iterator[str]:
 
 
 def _derived(printed: Datasheet) -> Derived:
-    """Return the case of a datasheet; a ParameterError is in words of the case if parts do not fit."""
+    """Return the case of a datasheet; raise `ParameterError` in the terms of the case if parts do not fit."""
     sheet, of_vehicle = vehicles.with_running_gear(shoe_mesh.sheet_of_mesh(printed))
     of_mesh = None if sheet.shoe_mesh is None else shoe_mesh.shoe_of_mesh(sheet.shoe_mesh)
     chain = chains.chain_of(sheet, ph4100c.GRAVITY, None if of_mesh is None else of_mesh.depth)
@@ -88,7 +88,7 @@ def _derived(printed: Datasheet) -> Derived:
 
 
 def _followed(sheet: Datasheet, case: Case) -> dict[str, float]:
-    """Return figures that stand in a case, printed or not, by their names."""
+    """Return figures of the case, printed or not, by their names."""
     machine = case.closed_gear()
     recoil = machine.idler.recoil
     return {
@@ -101,7 +101,7 @@ def _followed(sheet: Datasheet, case: Case) -> dict[str, float]:
 
 
 def _refusal(sheet: Datasheet, error: ParameterError) -> str:
-    """Why no machine follows: its sag where a smaller one would do, else the first line of an error."""
+    """Return the reason that no machine follows: its sag if a smaller one works, else the error's line 1."""
     sag = sheet.sag or 0.0
     for smaller in (share * sag for share in SMALLER if sag > 0.0):
         try:
@@ -116,5 +116,5 @@ def _refusal(sheet: Datasheet, error: ParameterError) -> str:
 
 
 def rounded(text: str) -> str:
-    """Return a text whose numbers have four digits at most."""
+    """Return a text with at most four digits in its numbers."""
     return LONG_NUMBER.sub(lambda found: f"{float(found[0]):.4g}", text)

@@ -1,4 +1,4 @@
-"""Figures of a datasheet that no machine has, alone or beside each other."""
+"""Discrepancies of a datasheet: implausible figures, alone or compared with each other."""
 
 from collections.abc import Collection, Iterator
 
@@ -17,25 +17,26 @@ from exudyn_crawler.origins import Origin
 from exudyn_crawler.settings import fields
 
 PRESSURE = (0.4, 3.0)
-"""Printed ground pressure over weight by width and length on ground of both tracks. Chosen here."""
+"""Range of the printed ground pressure over weight by width and length on ground of both tracks (assumed)."""
 AREA = 1.0 / 3.0, 2.5
-"""Printed contact area over width by length on ground of both tracks: those of the pressure."""
+"""Range of the printed contact area over width by length on ground of both tracks, from that of the
+pressure."""
 
 
 def odd_values(case_file: CaseFile) -> Iterator[str]:
-    """Yield lines about all values of a case file that no machine and no ground has, a datasheet's first."""
+    """Yield lines on all implausible values of a case file, those of the datasheet first."""
     lines = implausible(case_file.case, case_file.duration)
     yield from odd_machine(case_file)
     if case_file.datasheet is None:
         yield from lines
         return
-    # what follows by a rule is in no wrong unit: shoes of a small machine weigh less than any of a file do
+    # a derived value has no wrong unit: shoes of a small machine may weigh less than the range allows
     by_rule = {entry.path for entry in ledger_of(case_file) if entry.origin is not Origin.GIVEN}
     yield from (line for line in lines if line.split(":")[0] not in by_rule)
 
 
 def odd_machine(case_file: CaseFile) -> Iterator[str]:
-    """Yield lines about figures of a machine, its datasheet's and those that its case has of its own."""
+    """Yield lines on implausible figures of a machine, from its datasheet and from its case."""
     case = case_file.case
     sheet = case_file.datasheet
     if sheet is not None:
@@ -64,7 +65,7 @@ def odd_machine(case_file: CaseFile) -> Iterator[str]:
 
 
 def odd_figures(sheet: Datasheet) -> Iterator[str]:
-    """Yield lines about figures that no machine has, printed or following, with the datasheet's keys."""
+    """Yield lines on implausible figures, printed or derived, with the datasheet's keys."""
     yield from (f"datasheet: {line}" for line in left_of_library(sheet))
     machine = derived(sheet)
     following = plausible.following(sheet, machine.chain, machine.case.shoe.mass)
@@ -79,7 +80,7 @@ def odd_figures(sheet: Datasheet) -> Iterator[str]:
 
 
 def _odd_sums(sheet: Datasheet, odd: Collection[str]) -> Iterator[str]:
-    """Yield lines about an area or a pressure that is not that of weight, width and length."""
+    """Yield lines on an area or a pressure that contradicts weight, width and length."""
     length = sheet.length_on_ground or sheet.crawler_length
     if length is None or plausible.WEIGHT in odd:
         return

@@ -1,4 +1,4 @@
-"""Figures of a datasheet beside those of the machine that follows: weight, pressure, pull, speed, grade."""
+"""Figures of the derived machine beside those of its datasheet: weight, pressure, pull, speed, grade."""
 
 import math
 from collections.abc import Iterator
@@ -13,17 +13,17 @@ from exudyn_crawler.machines.datasheet.sheet import Datasheet
 from exudyn_crawler.machines.datasheet.shoe_mesh import shoe_of_mesh
 
 CLOSE, OF_LENGTH = 0.03, 0.05
-"""Relative differences up to which a figure is that of the datasheet: of weight and pressure, of a length."""
+"""Tolerances of agreement with the datasheet, relative: of weight and pressure, and of a length."""
 MADE = "was built to it"
-"""Verdict on a figure that is made of the printed one."""
+"""Verdict on a figure derived from the printed one."""
 LOSS = 0.05
-"""Of the weight: resistance of a slow excavator on firm ground, in all (0.04 to 0.08, remembered)."""
+"""Total resistance of a slow excavator on firm ground, fraction of the weight (0.04 to 0.08, recalled)."""
 ON_GROUND = ("datasheet.length_on_ground", "datasheet.pitch", "datasheet.shoes", "datasheet.sprocket_gaps")
-"""Values of which the lengths of a track are made."""
+"""Values that determine the lengths of a track."""
 
 
 class Figure(NamedTuple):
-    """Figure of the machine that was built beside that of its datasheet, in SI units."""
+    """Figure of the derived machine beside that of its datasheet, in SI units."""
 
     name: str
     value: float
@@ -33,17 +33,17 @@ class Figure(NamedTuple):
 
     @property
     def difference(self) -> float | None:
-        """Relative difference; None where nothing is printed."""
+        """Relative difference; None without a printed figure."""
         return self.value / self.printed - 1.0 if self.printed else None
 
 
 def machine_mass(case: Case) -> float:
-    """Mass of all parts of a machine, kg: its shoes and what they carry."""
+    """Return the mass of all parts of a machine, kg: its shoes and their load."""
     return case.gear.whole_mass(case)
 
 
 def lengths(case: Case, sheet: Datasheet) -> tuple[float, float]:
-    """Length on ground, and over the shoes of one track as it was assembled, m."""
+    """Return the length on ground, and over the shoes, of one assembled track, m."""
     gear = case.closed_gear()
     start = gear.assembled(case.shoe, case.track)
     rear, front, _, _, low = case.shoe.footprint
@@ -59,23 +59,23 @@ def lengths(case: Case, sheet: Datasheet) -> tuple[float, float]:
 
 
 def contact_area(case: Case, sheet: Datasheet) -> float:
-    """Contact area of both tracks of the machine as it was assembled, as datasheets print it, m2."""
+    """Return the contact area of both tracks of the assembled machine, as on datasheets, m2."""
     counts = rules.ground_length(*lengths(case, sheet), sheet.typical_value("pressure_share"))
     return 2.0 * case.shoe.width * counts
 
 
 def mean_pressure(case: Case, sheet: Datasheet) -> float:
-    """Mean ground pressure of the machine as it was assembled, as datasheets print it, Pa."""
+    """Return the mean ground pressure of the assembled machine, as on datasheets, Pa."""
     return machine_mass(case) * case.gravity / contact_area(case, sheet)
 
 
 def figures(case: Case, sheet: Datasheet) -> list[Figure]:
-    """All figures that the datasheet lets be checked."""
+    """Return all figures that the datasheet allows to check."""
     return [*_built(case, sheet), *_travelling(case, sheet)]
 
 
 def _verdict(value: float, printed: float | None, most: float, made: bool = False) -> str:
-    """Compare a figure with the printed one; no agreement is shown if that one `made` it."""
+    """Return the verdict on a figure beside the printed one; no agreement if the printed one `made` it."""
     if not printed:
         return "follows"
     off = value / printed - 1.0
@@ -85,7 +85,7 @@ def _verdict(value: float, printed: float | None, most: float, made: bool = Fals
 
 
 def _built(case: Case, sheet: Datasheet) -> Iterator[Figure]:
-    """Weight, lengths and pressure."""
+    """Yield weight, lengths and pressure."""
     figures_of = derived(sheet).ruled.figures_of
     of_lengths = figures_of(*ON_GROUND)
     mass = machine_mass(case)
@@ -117,7 +117,7 @@ def _built(case: Case, sheet: Datasheet) -> Iterator[Figure]:
 
 
 def _travelling(case: Case, sheet: Datasheet) -> Iterator[Figure]:
-    """Speed of the sprocket, power, pull and grade."""
+    """Yield sprocket speed, power, pull and grade."""
     gear = case.closed_gear()
     radius = gear.travel_per_angle(case.track)
     weight = machine_mass(case) * case.gravity
@@ -153,7 +153,7 @@ def _travelling(case: Case, sheet: Datasheet) -> Iterator[Figure]:
 
 
 def _of_motors(sheet: Datasheet, radius: float) -> Iterator[Figure]:
-    """Travel speed and pull of the travel motors, by their gears and the radius (m) of the pins."""
+    """Yield travel speed and pull of the travel motors, from their gears and the pins' radius (m)."""
     ratio = sheet.gear_ratio
     if ratio is None:
         return
@@ -168,7 +168,7 @@ def _of_motors(sheet: Datasheet, radius: float) -> Iterator[Figure]:
 
 
 def _grade(slope: float, pull: float | None, weight: float) -> Iterator[Figure]:
-    """Pull that a grade takes, and friction."""
+    """Yield the pull needed on a grade, and the friction."""
     steep = math.hypot(1.0, slope)
     needed = weight * (slope + LOSS) / steep
     verdict = f"and a coefficient of traction of {slope + LOSS:.2f}"

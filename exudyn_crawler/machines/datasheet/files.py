@@ -1,4 +1,4 @@
-"""Datasheets in case files: the table ``[datasheet]``, of which the rest of the file changes what follows."""
+"""Datasheets in case files: the table ``[datasheet]``; the rest of the file changes derived values."""
 
 import re
 from pathlib import Path
@@ -18,16 +18,16 @@ from exudyn_crawler.settings import error_lines, fields, reading
 
 KEY = "datasheet"
 OF_RUN = ("travel", "speed", "grade", "shoe_mesh")
-"""Values of a datasheet with which a machine stays the same one."""
+"""Values of a datasheet that do not change the machine."""
 
 
 def has_datasheet(content: reading.Content) -> bool:
-    """True where a file has a datasheet, and not the word for none."""
+    """Return True if a file has a datasheet other than the word for none."""
     return content.get(KEY, fields.NONE) != fields.NONE
 
 
 def with_machine(content: reading.Content) -> reading.Content:
-    """Content over that of the library's machine that its datasheet names as `base`, if it does."""
+    """Return the content over that of the library's machine that its datasheet names as `base`, if any."""
     table = content[KEY]
     if not isinstance(table, dict):
         raise ParameterError(f"{KEY} must be a table with what its maker prints, got {fields.shown(table)}")
@@ -40,13 +40,13 @@ def with_machine(content: reading.Content) -> reading.Content:
     below = dict(library.machine_content(table[fields.BASE]))
     given = {name: value for name, value in table.items() if name != fields.BASE}
     if any(name not in OF_RUN for name in given):
-        # another machine has its own name: that of the file
+        # a changed machine takes the name of the file
         del below["name"]
     return library.over(content | {KEY: {"began_as": table[fields.BASE]} | given}, below)
 
 
 def datasheet_of(table: reading.Content, folder: Path | None = None) -> Datasheet:
-    """Datasheet of a table of a file in a folder; a ParameterError with a line for each value at fault."""
+    """Return the datasheet of a file's table in a folder; raise `ParameterError`, a line per wrong value."""
     try:
         sheet = reading.from_content(Datasheet, table, folder)
         if sheet.began_as is not None:
@@ -60,9 +60,9 @@ def datasheet_of(table: reading.Content, folder: Path | None = None) -> Datashee
 
 
 def followed(content: reading.Content, before: reading.Content) -> reading.Content:
-    """Content of a case file whose case follows of its datasheet, which changed since it was that `before`.
+    """Return the content of a case file after a change of its datasheet; `before` is the content before it.
 
-    What of the case did not follow of the datasheet before stays as it is.
+    Values of the case that did not follow from the datasheet before stay unchanged.
     """
     if content.get(KEY) is None or content[KEY] == before[KEY]:
         return content
@@ -71,7 +71,7 @@ def followed(content: reading.Content, before: reading.Content) -> reading.Conte
 
 
 def _replaced(values: Any, old: Any, new: Any) -> Any:
-    """New values in place of those that are the old ones."""
+    """Return the new values in place of those equal to the old ones."""
     if values == old:
         return new
     if isinstance(values, dict) and isinstance(old, dict) and isinstance(new, dict):
@@ -80,14 +80,14 @@ def _replaced(values: Any, old: Any, new: Any) -> Any:
 
 
 def assumed_ranges(sheet: Datasheet) -> list[reading.Content]:
-    """Typical values that a datasheet's machine takes, as a sweep varies them: each over its range."""
+    """Return the typical values used by a datasheet's machine as entries of a sweep over their ranges."""
     path = f"{KEY}.typical"
     rows = derived(sheet).ruled.typical
     return [{"key": f"{path}.{row.name}", "low": row.low, "high": row.high} for row in rows]
 
 
 def case_values(sheet: Datasheet, flexible: bool = False) -> reading.Content:
-    """Values of the case of a datasheet, as a file has them; with flexible shoes if asked for."""
+    """Return the values of a datasheet's case as written in a file, on request with flexible shoes."""
     try:
         case = derived(sheet).case
         values = case.model_dump(mode="json")
@@ -99,13 +99,13 @@ def case_values(sheet: Datasheet, flexible: bool = False) -> reading.Content:
 
 
 def _keyed(line: str) -> str:
-    """Return a line of a datasheet's fault with the table's name before it."""
+    """Return a line of a datasheet's error with the table's name before it."""
     key = re.match(r"\w*(?=[\w.\[\]]*: )", line)
     return f"{KEY}.{line}" if key and key[0] in Datasheet.model_fields else f"{KEY}: {line}"
 
 
 def passed_shoe(case: Case) -> int:
-    """Number of the shoe below the wheel that is foremost in travel, over which all others pass."""
+    """Return the number of the shoe below the foremost wheel in travel, which all other wheels pass over."""
     gear = case.closed_gear()
     start = gear.assembled(case.shoe, case.track)
     rollers = start.frame[0] + np.array(gear.rollers)
@@ -116,7 +116,7 @@ def passed_shoe(case: Case) -> int:
 
 
 def with_own_mesh(content: reading.Content) -> reading.Content:
-    """Content whose `[shoe] mesh` stands in the datasheet, as `shoe_mesh`: the machine follows of it."""
+    """Return the content with `[shoe] mesh` moved to the datasheet's `shoe_mesh`; the machine follows it."""
     shoe = content.get("shoe")
     if not isinstance(shoe, dict) or "mesh" not in shoe:
         return content

@@ -1,4 +1,4 @@
-"""Gear of a datasheet's machine: two closed tracks of its wheels, its parts, and contacts that fit both."""
+"""Gear of a datasheet's machine: two closed tracks with wheels, parts, and contacts that fit both."""
 
 import math
 from functools import partial
@@ -15,14 +15,14 @@ from exudyn_crawler.machines.datasheet.sheet import Datasheet, DatasheetError
 from exudyn_crawler.origins import Ruled
 from exudyn_crawler.settings import fields
 
-PLAY, FLANGE = 0.015, 0.076  # pitches, of guides: those of the project's P&H 4100C
-DAMPED_DEPTH = 1.5e-4  # pitches, at which a contact's damping is full: the same
-TREAD_DAMPING, GUIDE_DAMPING = 0.1, 0.73  # of critical: the same
-GUIDES = 0.1  # of a tread's stiffness: of the flanges
-SOFT = 0.1  # of a tread's compliance: of a pin across the chain
-LAG = 0.1  # of the sprocket's speed: how far it falls behind at 0.7 of its torque limit
-LEAST_FRAME = 1e-3  # of the operating weight: a side frame
-FADING = 0.05  # of the chain's speed: at which rolling resistance has 0.7 of its value
+PLAY, FLANGE = 0.015, 0.076  # play and height of guides, pitches: those of the project's P&H 4100C
+DAMPED_DEPTH = 1.5e-4  # depth of full contact damping, pitches: that of the P&H 4100C
+TREAD_DAMPING, GUIDE_DAMPING = 0.1, 0.73  # fractions of critical damping: those of the P&H 4100C
+GUIDES = 0.1  # stiffness of the flanges over that of a tread
+SOFT = 0.1  # compliance of a pin across the chain over that of a tread
+LAG = 0.1  # lag of the sprocket at 0.7 of its torque limit, fraction of its speed
+LEAST_FRAME = 1e-3  # least mass of a side frame, fraction of the operating weight
+FADING = 0.05  # speed at which rolling resistance has 0.7 of its value, fraction of the chain's speed
 
 
 class Contacts(NamedTuple):
@@ -36,9 +36,9 @@ class Contacts(NamedTuple):
 
 
 def gear_of(sheet: Datasheet, chain: Chain, shoe: Shoe, track: Track) -> tuple[Machine, dict[str, Ruled]]:
-    """Return the gear of the machine, and values with their rules where there are several.
+    """Return the gear of the machine, and values with several possible rules, with the rule of each.
 
-    A ParameterError in words of the datasheet where wheels or weights do not fit.
+    Raise `ParameterError` in the datasheet's terms if wheels or weights do not fit.
     """
     rails = shoe.rails
     assert rails is not None
@@ -90,7 +90,7 @@ def gear_of(sheet: Datasheet, chain: Chain, shoe: Shoe, track: Track) -> tuple[M
 def _check_frame(
     sheet: Datasheet, chain: Chain, shoe: Shoe, parts: weights.PartWeights, bogies: float
 ) -> None:
-    """Refuse a machine whose other parts leave no mass for a side frame beside its bogies (kg)."""
+    """Raise `DatasheetError` if the other parts leave no mass for a side frame beside its bogies (kg)."""
     frame = parts.frame - bogies
     if frame >= LEAST_FRAME * sheet.operating_weight:
         return
@@ -104,16 +104,17 @@ def _check_frame(
 
 
 def _contacts(sheet: Datasheet, chain: Chain, shoe: Shoe, rollers: int) -> Contacts:
-    """Contacts as deep, in pitches, as those of the P&H 4100C under weight and pull.
+    """Return contacts as deep, in pitches, as those of the P&H 4100C under weight and pull.
 
-    Stiffer ones would ask for shorter steps: a shoe swings as fast, in steps, as that machine's.
+    Stiffer contacts would need shorter steps: the oscillation of a shoe takes as many steps as on that
+    machine.
     """
     pitch = chain.pitch
     weight = sheet.operating_weight * ph4100c.GRAVITY
-    # two treads a roller on two tracks
+    # two treads per roller, two tracks
     tread = 0.25 * weight / rollers / (pitch * sheet.typical_value("tread_depth"))
     pull = sheet.drawbar_pull or weight * sheet.typical_value("pull_share")
-    # two sides of a sprocket on two tracks
+    # two sides per sprocket, two tracks
     tooth = 0.25 * pull / (pitch * sheet.typical_value("contact_depth"))
     guide = GUIDES * tread
     return Contacts(
@@ -133,7 +134,7 @@ def _tumbler(
     mass: float,
     contacts: Contacts,
 ) -> Tumbler:
-    """Sprocket, whose teeth end where their flanks meet at the latest."""
+    """Return the sprocket; its teeth end no later than their flanks meet."""
     inertia = (*rules.ring_inertia(mass, place.pins).tolist(), 0.0, 0.0, 0.0)
     tumbler = Tumbler(
         place=place.sprocket,
@@ -153,7 +154,7 @@ def _tumbler(
 
 
 def _idler(sheet: Datasheet, pitch: float, place: wheels.WheelPlaces, springs: suspension.Springs) -> Idler:
-    """Idler where the chain has the tension that the maker asks for."""
+    """Return the idler with the maker's chain tension."""
     way = pitch * sheet.typical_value("take_up")
     return Idler(
         place=place.idler,
@@ -166,7 +167,7 @@ def _idler(sheet: Datasheet, pitch: float, place: wheels.WheelPlaces, springs: s
 
 
 def _torque(sheet: Datasheet, radius: float) -> float | None:
-    """Greatest torque of a sprocket, N m: by pull or motor; None where neither is printed."""
+    """Return the greatest torque of a sprocket, N m: by pull or motor; None if neither is printed."""
     if sheet.drawbar_pull is None:
         if sheet.motor_torque is None or sheet.gear_ratio is None:
             return None

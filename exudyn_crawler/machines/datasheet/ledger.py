@@ -1,4 +1,4 @@
-"""Ledger of a case file with a datasheet: where every value of the machine comes from."""
+"""Ledger of a case file with a datasheet: provenance of every value of the machine."""
 
 from collections.abc import Iterator, Sequence
 from typing import Any
@@ -17,24 +17,24 @@ FLEXIBLE = "steel, and modes and damping of the papers' flexible shoes"
 DEFAULT = "default of the program"
 NAMED_CASE = "named case or part that the file begins with, or a default of the program"
 GENERAL = "of all machines, chosen: no datasheet says it"
-"""Source of what no rule gives."""
+"""Source of values without a rule."""
 ORIGINS_FILE = "origins.csv"
 """Name of the table of all origins in a run's folder."""
 
 
 def ledger_of(case_file: CaseFile) -> Ledger:
-    """Return the entries of all values of a case file's case, then of its datasheet and typical values.
+    """Return the entries of all values of a case, then of its datasheet and typical values.
 
-    Without a datasheet the ledger is empty.
+    The ledger is empty without a datasheet.
     """
     sheet = case_file.datasheet
     return Ledger(()) if sheet is None else Ledger([*case_ledger(case_file), *sheet_ledger(sheet)])
 
 
 def stated_ledger(case: Case, stated: Sequence[str]) -> Ledger:
-    """Return the ledger of a case without a datasheet, of which a file states values at some paths.
+    """Return the ledger of a case without a datasheet; a file states the values at some paths.
 
-    All others are those of the named case, or of the named part, that the file begins with, or defaults.
+    All other values come from the named case or part at the start of the file, or are defaults.
     """
     above = tuple(f"{path}{end}" for path in stated for end in (".", "["))
 
@@ -47,7 +47,7 @@ def stated_ledger(case: Case, stated: Sequence[str]) -> Ledger:
 
 
 def sheet_ledger(sheet: Datasheet) -> Ledger:
-    """Return the entries of a datasheet: figures printed or followed, and the typical values taken."""
+    """Return the entries of a datasheet: printed and derived figures, and the typical values used."""
     return Ledger(entry for entry in derived(sheet).ledger if entry.path.startswith(f"{KEY}."))
 
 
@@ -58,7 +58,7 @@ def case_ledger(case_file: CaseFile) -> Ledger:
 
 
 def _case_entries(case: Case, sheet: Datasheet) -> Iterator[Entry]:
-    """Yield an entry for each value of a case: what does not follow of the datasheet is the file's."""
+    """Yield an entry for each value of a case; values not derived from the datasheet are the file's."""
     ledger = derived(sheet).ledger
     follows = {item.path: item.value for item in fields.values_of(derived(sheet).case)}
     machine = library.beginning(sheet)
@@ -84,7 +84,7 @@ def _case_entries(case: Case, sheet: Datasheet) -> Iterator[Entry]:
 
 
 def _library_values(machine: library.LibraryMachine, case: Case) -> dict[str, Any]:
-    """Return the values, by path, that the file of a library's machine has beside its datasheet."""
+    """Return the values beside the datasheet in the file of a library's machine, by path."""
     beside = {name: value for name, value in machine.content.items() if name not in (KEY, "duration")}
     filled = reading.filled(beside, Case, below=case.model_dump(mode="json"))
     values = {}
@@ -97,5 +97,5 @@ def _library_values(machine: library.LibraryMachine, case: Case) -> dict[str, An
 
 
 def _plain(value: Any) -> Any:
-    """Return a value with lists in place of tuples, as a file has it."""
+    """Return a value with lists in place of tuples, as in a file."""
     return [_plain(part) for part in value] if isinstance(value, tuple) else value

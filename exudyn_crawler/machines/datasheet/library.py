@@ -1,4 +1,4 @@
-"""Machines as files: datasheets with their sources, to begin with and to look at."""
+"""Library of machines as files: datasheets with their sources, as starting points and examples."""
 
 import difflib
 import re
@@ -15,24 +15,24 @@ from exudyn_crawler.settings import fields, reading
 NAME = re.compile(r"^name\s*=.*$")
 FOLDER = Path(__file__).with_name("library")
 ANOTHER = 0.2
-"""Relative change of weight or shoe from which on a machine is another one than the library's."""
+"""Relative change of weight or shoe above which a machine differs from the library's."""
 NO_FIGURES = (
     *("source", "began_as", "remembered", "typical", "lift_chart", "kind", "sprocket", "travel", "grade"),
     *("speed", "suspension", "recoil_spring", "shoe_kind", "shoe_mesh"),
 )
-"""Fields of a datasheet that are no figures of a maker."""
+"""Fields of a datasheet that are no maker's figures."""
 SCALES = ("operating_weight", "shoe_width", "pitch", "shoe_weight")
-"""Figures that say how large a machine and its shoe are."""
+"""Figures that give the size of a machine and its shoe."""
 
 
 @cache
 def machines() -> dict[str, Path]:
-    """Files of the library by name."""
+    """Return the files of the library by name."""
     return {path.stem: path for path in sorted(FOLDER.glob("*.toml"))}
 
 
 def machine_content(name: object) -> reading.Content:
-    """Content of a machine's file; a ParameterError with the names that there are if there is none."""
+    """Return the content of a machine's file; raise a `ParameterError` that lists the known names."""
     known = machines()
     if isinstance(name, str) and name in known:
         return reading.toml_content(known[name], "datasheet")
@@ -43,7 +43,7 @@ def machine_content(name: object) -> reading.Content:
 
 @dataclass(frozen=True)
 class LibraryMachine:
-    """Machine of the library, for what is left of it in a file that began as it."""
+    """Machine of the library, as the origin of values in a file that began as it."""
 
     title: str
     sheet: Datasheet
@@ -51,7 +51,7 @@ class LibraryMachine:
 
     @property
     def source(self) -> str:
-        """Its title, and the source of its figures."""
+        """Title of the machine, and the source of its figures."""
         source = self.sheet.source
         return source if source.startswith(self.title) else f"{self.title}: {source}"
 
@@ -64,7 +64,7 @@ def library_machine(name: str) -> LibraryMachine:
 
 
 def beginning(sheet: Datasheet) -> LibraryMachine | None:
-    """Return the machine of the library that a datasheet began as: that which it names, or of its source."""
+    """Return the library's machine that a datasheet began as: the named one, or the one of its source."""
     if sheet.began_as is not None:
         return library_machine(sheet.began_as)
     known = map(library_machine, machines())
@@ -85,7 +85,7 @@ def text_of(machine: str, name: str) -> str:
 
 
 def over(content: Mapping[str, Any], below: Mapping[str, Any]) -> dict[str, Any]:
-    """Content of a file over that of the machine that it begins with: tables go into each other."""
+    """Return the content of a file merged over that of its base machine; tables are merged key by key."""
     merged = dict(below)
     for name, value in content.items():
         before = merged.get(name)
@@ -94,7 +94,7 @@ def over(content: Mapping[str, Any], below: Mapping[str, Any]) -> dict[str, Any]
 
 
 def left_of_library(sheet: Datasheet) -> Iterator[str]:
-    """Yield a line about figures that are still those of the library's machine, of which this is another."""
+    """Yield a line on figures left from the library's machine in the datasheet of another machine."""
     machine = beginning(sheet)
     if machine is None:
         return

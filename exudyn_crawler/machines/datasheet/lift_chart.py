@@ -1,4 +1,4 @@
-"""Front and COM of a machine from its lift chart: loads that tip it, over radii."""
+"""Front mass and COM of a machine from its lift chart: tipping loads over radii."""
 
 from typing import NamedTuple
 
@@ -8,18 +8,18 @@ from exudyn_crawler.machines.datasheet.sheet import LiftChart
 
 
 class Fit(NamedTuple):
-    """Machine of a lift chart."""
+    """Fit of a lift chart."""
 
-    front: float  # kg: share of boom, arm and bucket that goes out with the radius
-    moment: float  # kg m, about the tipping line, with the front taken to the swing axis
-    error: float  # greatest, of the loads, relative
+    front: float  # mass of boom, arm and bucket that moves out with the radius, kg
+    moment: float  # moment about the tipping line with the front at the swing axis, kg m
+    error: float  # greatest relative error of the loads
 
 
 def fit_of(chart: LiftChart, tipping_line: float) -> Fit:
-    """Front and moment of a chart, by least squares; the tipping line is so far (m) from the swing axis.
+    """Fit front and moment of a chart by least squares; `tipping_line` is its distance (m) to the swing axis.
 
-    A load T at a radius R tips the machine about the line at x: ``T (R - x) = M - m R``, as the front, of a
-    mass m, goes out with the radius. A chart prints a share of T (0.75 by ISO 10567, as remembered).
+    A load T at a radius R tips the machine about the line at x: ``T (R - x) = M - m R``, since the front, of
+    mass m, moves out with the radius. A chart prints a share of T (0.75 by ISO 10567, recalled).
     """
     radius = np.array([point.radius for point in chart.points])
     load = np.array([point.load for point in chart.points]) / chart.tipping_share
@@ -32,7 +32,7 @@ def fit_of(chart: LiftChart, tipping_line: float) -> Fit:
 
 
 def com_ahead(fit: Fit, mass: float, tipping_line: float, reach: float) -> float:
-    """COM (m) of a machine ahead of its swing axis, with its front at a reach (m).
+    """Return the COM (m) of a machine ahead of its swing axis, with its front at a reach (m).
 
     With the front at the axis the moment about the tipping line is ``G (x - x_0)``.
     """

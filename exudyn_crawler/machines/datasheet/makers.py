@@ -1,4 +1,4 @@
-"""Units as makers print them: kilograms of force in pulls and pressures, grades as angles."""
+"""Units of makers: kilograms-force in pulls and pressures, grades as angles."""
 
 import math
 import re
@@ -12,7 +12,7 @@ KILOGRAM = re.compile(r"\bkg\b")
 
 
 def _with_kilograms_of(unit: str) -> BeforeValidator:
-    """Let the kg of a text be those of force."""
+    """Return a validator that reads the kg of a text as kgf."""
 
     def number(value: object) -> object:
         force = number_of(KILOGRAM.sub("kgf", value), unit) if isinstance(value, str) else value
@@ -22,14 +22,14 @@ def _with_kilograms_of(unit: str) -> BeforeValidator:
 
 
 def _slope(value: object) -> object:
-    """Rise over run of a text with an angle; all else as it is."""
+    """Return rise over run for a text with an angle; return any other value unchanged."""
     angle = number_of(value, "rad")
     return math.tan(angle) if isinstance(value, str) and isinstance(angle, float) else value
 
 
 Force = Annotated[float, _with_kilograms_of("N")]
-"""N, or a text such as '20570 kg'."""
+"""Force in N, or a text such as '20570 kg'."""
 Pressure = Annotated[float, _with_kilograms_of("Pa")]
-"""Pa, or a text such as '0.43 kg/cm2'."""
+"""Pressure in Pa, or a text such as '0.43 kg/cm2'."""
 Slope = Annotated[float, BeforeValidator(_slope)]
 """Rise over run, or an angle as a text such as '35 deg'."""

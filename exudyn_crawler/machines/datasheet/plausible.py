@@ -1,4 +1,4 @@
-"""Ranges of figures that machines of a kind and a weight have, printed or following: `plausible.csv`."""
+"""Plausible ranges of printed and derived figures for kinds and weights of machines: `plausible.csv`."""
 
 import csv
 import math
@@ -20,14 +20,14 @@ VOWELS = "aeiou"
 
 
 class Following(NamedTuple):
-    """Figures that follow from a datasheet where it does not print them, in SI units."""
+    """Figures derived from a datasheet that does not print them, in SI units."""
 
     pitch: float
     shoes: int
     length_on_ground: float
     sprocket_gaps: float
     ground_pressure: float
-    travel_speed: float | None  # of motors and gears
+    travel_speed: float | None  # from motors and gears
     shoe_weight: float | None = None
 
 
@@ -35,18 +35,18 @@ class Plausible(NamedTuple):
     """Row of the table: least and greatest figure of a kind of machine."""
 
     name: str  # key of the datasheet
-    of: str  # kind of machine; empty: of those that have no row
+    of: str  # kind of machine; empty: all kinds without a row
     low: float
     high: float
-    by: str  # what it is measured by, of `SIZES`; empty: SI units
-    typical: str  # typical value that is usual; empty for none
-    question: str  # what to ask where the figure is greater; {half} of a count has to be plausible
+    by: str  # reference size, a key of `SIZES`; empty: SI units
+    typical: str  # name of the typical value; empty for none
+    question: str  # question for a greater figure; {half} of a count has to be plausible
     source: str
-    known: str  # seen in a source's text, remembered, of the project, or chosen here
+    known: str  # "seen" in a source's text, "remembered", of the "project", or "chosen" here
 
 
 def following(sheet: Datasheet, chain: Chain, shoe_weight: float | None = None) -> Following:
-    """Return what follows from a datasheet with its chain and the mass of a shoe (kg), if that is known."""
+    """Return the figures derived from a datasheet with its chain and a shoe's mass (kg), if known."""
     on_ground = sheet.length_on_ground or chain.on_ground
     share = typical.row_of("pressure_share", sheet.kind).value
     counted = rules.ground_length(on_ground, on_ground + chain.over_shoes - chain.on_ground, share)
@@ -65,7 +65,7 @@ def following(sheet: Datasheet, chain: Chain, shoe_weight: float | None = None) 
 
 
 class Sizes(NamedTuple):
-    """Sizes of a machine that its figures are measured by; None where they are not known."""
+    """Reference sizes of a machine for its figures; None if unknown."""
 
     mass: float  # kg
     pitch: float | None = None  # m
@@ -82,11 +82,12 @@ SIZES: dict[str, Callable[[Sizes], float | None]] = {
     "length": lambda sizes: sizes.length,
     "wheel": lambda sizes: sizes.wheel,
 }
-"""Values of the column `by`: third root of the tonnes, kg, N; pitch, length on ground and wheel, m."""
+"""Values of the column `by`: third root of the mass in tonnes, kg, N; pitch, length on ground and wheel,
+m."""
 
 
 def sizes_of(sheet: Datasheet, follows: Following | None = None) -> Sizes:
-    """Return the sizes of a datasheet's machine, printed or, where it is known, following."""
+    """Return the sizes of a datasheet's machine, printed or, if known, derived."""
     pitch = sheet.pitch or (follows and follows.pitch)
     length = sheet.length_on_ground or (follows and follows.length_on_ground)
     return Sizes(sheet.operating_weight, pitch, length, sheet.roller_diameter)
@@ -101,14 +102,14 @@ def table() -> dict[tuple[str, str], Plausible]:
 
 
 def _row(texts: dict[str, Any]) -> Plausible:
-    """Return a row of its texts by column."""
+    """Return a row from its texts by column."""
     return Plausible(**(texts | {name: float(texts[name]) for name in ("low", "high")}))
 
 
 def row_of(name: str, kind: str | None) -> Plausible | None:
-    """Return the row of a kind of machine, else that of all machines; None if there is none.
+    """Return the row of a kind of machine, else that of all machines; None without a row.
 
-    Without a kind it is the widest range of all kinds.
+    Without a kind it is the widest range over all kinds.
     """
     rows = table()
     general = rows.get((name, ""))
@@ -119,9 +120,9 @@ def row_of(name: str, kind: str | None) -> Plausible | None:
 
 
 def odd_printed(sheet: Datasheet, follows: Following | None = None) -> Iterator[tuple[str, str]]:
-    """Yield key and line of each printed figure that no machine of the kind and the weight has.
+    """Yield key and line of each printed figure implausible for the machine's kind and weight.
 
-    Figures measured by sizes that follow are left out where nothing is known to follow.
+    Figures that need derived sizes are left out if no derived sizes are known.
     """
     sizes = sizes_of(sheet, follows)
     for entry in fields.walk(sheet):
@@ -129,7 +130,7 @@ def odd_printed(sheet: Datasheet, follows: Following | None = None) -> Iterator[
         line = odd(key, entry.value, fields.unit_of(entry.field), sheet.kind, sizes)
         if line:
             yield entry.path, line
-            # all else is measured by a weight that is wrong
+            # all other ranges depend on the wrong weight
             if key == WEIGHT:
                 return
     if sheet.gauge is None and (line := odd("gauge", sheet.track_gauge, "m", sheet.kind, sizes)):
@@ -137,7 +138,7 @@ def odd_printed(sheet: Datasheet, follows: Following | None = None) -> Iterator[
 
 
 def odd_following(sheet: Datasheet, follows: Following) -> Iterator[str]:
-    """Yield a line for each figure that follows and that no machine of the kind and the weight has."""
+    """Yield a line for each derived figure implausible for the machine's kind and weight."""
     sizes = sizes_of(sheet, follows)
     if odd(WEIGHT, sheet.operating_weight, "kg", sheet.kind, sizes):
         return
@@ -149,7 +150,7 @@ def odd_following(sheet: Datasheet, follows: Following) -> Iterator[str]:
 
 
 def odd(name: str, value: object, unit: str, kind: str | None, sizes: Sizes, is_printed: bool = True) -> str:
-    """Return the first number of a figure that no machine of a kind has, with their range; empty for none."""
+    """Return the first implausible number of a figure for a kind of machine, with its range; else empty."""
     row = row_of(name, kind)
     size = None if row is None else SIZES[row.by](sizes)
     if row is None or size is None:
@@ -173,7 +174,7 @@ def odd(name: str, value: object, unit: str, kind: str | None, sizes: Sizes, is_
 
 
 def _cause(row: Plausible, value: float, unit: str, span: tuple[float, float]) -> str:
-    """Say what could be meant by a printed figure outside of a span; empty where nothing is likely."""
+    """Return the likely meaning of a printed figure outside a range; empty without a likely one."""
     half = 0.5 * value
     is_sum = half == int(half) and span[0] <= half <= span[1]
     if row.question and value > span[1] and (HALF not in row.question or is_sum):

@@ -1,4 +1,4 @@
-"""Machine of a datasheet with its rules, those of the table `rules.csv`: what each value is made of."""
+"""Machine of a datasheet with its rules (`rules.csv`): the inputs of each value."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -15,26 +15,26 @@ from exudyn_crawler.settings import fields
 KEY = "datasheet"
 TYPICAL = f"{KEY}.typical."
 FILE = "the file"
-"""Source of what a user's file has."""
+"""Source of values in a user's file."""
 RECALLED = "remembered: not seen in a source"
 OF_MESH = ("plate_depth", "grouser_height")
-"""Typical values in whose place a mesh has its own."""
+"""Typical values that a mesh replaces."""
 
 
 @cache
 def rules() -> tuple[Rule, ...]:
-    """Return the rules by which values of a machine follow, in the order in which they are tried."""
+    """Return the rules for values of a machine, in the order of trial."""
     return read_rules(Path(__file__).with_name("rules.csv"))
 
 
 @cache
 def places() -> dict[str, str]:
-    """Return the paths at which figures of a datasheet stand in the case as they are."""
+    """Return the paths of figures of a datasheet that enter the case unchanged."""
     return {rule.made_of[0]: rule.paths[0] for rule in rules() if rule.origin is None and not rule.text}
 
 
 def figure_entry(sheet: Datasheet, name: str) -> Entry:
-    """Return the entry of a figure that a datasheet has: given, of the library's machine, or recalled."""
+    """Return the entry of a datasheet's figure: given, of the library's machine, or recalled."""
     field = type(sheet).model_fields[name]
     value = getattr(sheet, name)
     machine = library.beginning(sheet)
@@ -46,7 +46,7 @@ def figure_entry(sheet: Datasheet, name: str) -> Entry:
             origin, how = Origin.ASSUMED, f"of the library's {machine.title}, {RECALLED}"
     elif machine is not None:
         how = FILE if sheet.source == machine.sheet.source else how
-        # what was recalled of that machine is not what the file has now
+        # values recalled of that machine are not those of this file
         recalled = recalled and name not in machine.sheet.remembered
     if recalled and origin is Origin.GIVEN:
         origin, how = Origin.ASSUMED, RECALLED
@@ -59,20 +59,20 @@ class RuledMachine:
 
     printed: Datasheet
     filled: Datasheet
-    """The same with what its mesh, or a vehicle's running gear, has."""
+    """Datasheet completed by its mesh or by a vehicle's running gear."""
     case: Case
     ruled: dict[str, Ruled]
-    """Values by their paths: figures that follow, and what one of several rules gave."""
+    """Values by their paths: derived figures, and results of one of several rules."""
 
     @cached_property
     def ledger(self) -> Ledger:
-        """Ledger of figures, printed or followed, of the case's values with a rule, and of typical values."""
+        """Ledger of figures (printed or derived), of the case's values with a rule, and of typical values."""
         entries = [*self._figures(), *self._case_values(), *self._typical_values()]
         return Ledger(entries)
 
     @cached_property
     def typical(self) -> tuple[typical.TypicalValue, ...]:
-        """Typical values of the table that the machine takes, in the order of the table."""
+        """Typical values of the table that the machine uses, in the order of the table."""
         names = {name for path in self._followed() for name in self._made_of(path) if self._is_typical(name)}
         own = self.printed.typical
         return tuple(
@@ -82,7 +82,7 @@ class RuledMachine:
         )
 
     def figures_of(self, *paths: str) -> set[str]:
-        """Return the figures of the datasheet that values at some paths are made of."""
+        """Return the figures of the datasheet that determine the values at these paths."""
         found: set[str] = set()
         seen: set[str] = set()
         todo = list(paths)
@@ -105,7 +105,7 @@ class RuledMachine:
         return name in typical.names() and not self._is_printed(name)
 
     def _rule(self, path: str) -> Rule | None:
-        """Return the rule that gives a value: the named one, that of a figure, or the one of all others."""
+        """Return the rule of a value: the named one, that of a figure, or the unnamed one."""
         name = self.ruled[path].rule if path in self.ruled else ""
         plain = ".".join(fields.names_of(fields.parse_path(path)))
         for rule in rules():
@@ -114,13 +114,13 @@ class RuledMachine:
         return None
 
     def _made_of(self, path: str) -> list[str]:
-        """Return names and paths of what a value is directly made of."""
+        """Return names and paths of the direct inputs of a value."""
         rule = self._rule(path)
         if rule is None:
             return []
         if self.printed.shoe_mesh is not None:
             return ["shoe_mesh" if name in OF_MESH else name for name in rule.made_of]
-        # a figure that is left out follows
+        # a missing figure is derived
         known = type(self.printed).model_fields
         return [
             f"{KEY}.{name}"
@@ -130,12 +130,12 @@ class RuledMachine:
         ]
 
     def _followed(self) -> list[str]:
-        """Return the paths of all values that follow."""
+        """Return the paths of all derived values."""
         of_case = [item.path for item in fields.values_of(self.case) if item.value is not None]
         return [path for path in self.ruled if not self._is_printed(path.removeprefix(f"{KEY}."))] + of_case
 
     def _figures(self) -> Iterator[Entry]:
-        """Yield the entries of figures: those of the datasheet, then those that follow."""
+        """Yield the entries of figures: those of the datasheet, then the derived ones."""
         for name in type(self.printed).model_fields:
             path = f"{KEY}.{name}"
             if self._is_printed(name) and name not in library.NO_FIGURES:
@@ -146,13 +146,13 @@ class RuledMachine:
                 yield from self._entry(path, value, fields.unit_of(field), field.description or "")
 
     def _case_values(self) -> Iterator[Entry]:
-        """Yield the entries of those values of the case that a rule gives."""
+        """Yield the entries of the case's values with a rule."""
         for item in fields.values_of(self.case):
             if item.value is not None:
                 yield from self._entry(item.path, item.value, item.unit, item.meaning)
 
     def _typical_values(self) -> Iterator[Entry]:
-        """Yield the entries of typical values: those of the file, then those that are taken of the table."""
+        """Yield the entries of typical values: those of the file, then those of the table."""
         machine = library.beginning(self.printed)
         for name, own in self.printed.typical:
             row = typical.row_of(name, self.printed.kind)
@@ -169,7 +169,7 @@ class RuledMachine:
             yield Entry(TYPICAL + row.name, row.value, unit, Origin.ASSUMED, how, row.meaning)
 
     def _entry(self, path: str, value: Any, unit: str, meaning: str) -> Iterator[Entry]:
-        """Yield the entry of a value that a rule gives."""
+        """Yield the entry of a value with a rule."""
         rule = self._rule(path)
         if rule is None:
             return
@@ -188,7 +188,7 @@ class RuledMachine:
         yield Entry(path, value, unit, origin, how, meaning)
 
     def _as_figure(self, path: str, rule: Rule, value: Any, unit: str, meaning: str) -> Iterator[Entry]:
-        """Yield the entry of a value that is a figure of the datasheet, printed or followed."""
+        """Yield the entry of a value that is a figure of the datasheet, printed or derived."""
         (name,) = rule.made_of
         figures = [figure_entry(self.printed, name)] if self._is_printed(name) else []
         figure_path = f"{KEY}.{name}"
@@ -200,13 +200,13 @@ class RuledMachine:
 
 
 def _is_given(sheet: Datasheet, name: str) -> bool:
-    """True where a datasheet has a value of a name, other than that which all have."""
+    """Return True if a datasheet has a value of this name other than the default."""
     field = type(sheet).model_fields.get(name)
     return field is not None and getattr(sheet, name) not in (None, field.default)
 
 
 def _range_text(name: str, kind: str, value: Any, unit: str) -> str:
-    """Return the range and the source of a typical value, as its size makes them."""
+    """Return the range and the source of a typical value, scaled to its size."""
     row = typical.row_of(name, kind)
     size = value[-1] if isinstance(value, tuple) else value
     low, high = (

@@ -6,15 +6,15 @@ import numpy as np
 
 
 def pitch_by_mass(mass: float, factor: float) -> float:
-    """Pitch of a machine of a mass: factor times the third root of its tonnes.
+    """Return the pitch of a machine from its mass: factor times the third root of the tonnes.
 
-    Source: pitches of 171 mm at 12 t to 656 mm at 1410 t, of which three were seen, lie within 15 % of 0.066.
+    Source: pitches from 171 mm at 12 t to 656 mm at 1410 t, three of them seen, lie within 15 % of 0.066.
     """
     return factor * (1e-3 * mass) ** (1.0 / 3.0)
 
 
 def pitch_of_loop(on_ground: float, over_shoes: float, shoes: int, depth: float, grouser: float) -> float:
-    """Pitch of a chain about two equal circles, from the lengths on ground and over the shoes.
+    """Return the pitch of a chain about two equal circles, from the lengths on ground and over the shoes.
 
     ``N p = 2 C + pi d`` with ``d = L - C - 2 (depth p + grouser)``, depth in pitches.
     """
@@ -24,22 +24,22 @@ def pitch_of_loop(on_ground: float, over_shoes: float, shoes: int, depth: float,
 
 
 def pitch_of_gaps(on_ground: float, shoes: int, gaps: float) -> float:
-    """Pitch of a chain about two circles of a sprocket's size: ``N p = 2 C + pi p / sin(pi / z)``."""
+    """Return the pitch of a chain about two sprocket-sized circles: ``N p = 2 C + pi p / sin(pi / z)``."""
     return 2.0 * on_ground / (shoes - math.pi / math.sin(math.pi / gaps))
 
 
 def pitch_of_crawler(over_shoes: float, shoes: int, gaps: float, depth: float, grouser: float) -> float:
-    """Pitch of a chain about two circles of a sprocket's size, from the length over the shoes.
+    """Return the pitch of a chain about two sprocket-sized circles, from the length over the shoes.
 
-    ``N p = 2 C + pi d`` with ``C = L - d - 2 (depth p + grouser)`` and ``d = p / sin(pi / z)``, depth in
-    pitches.
+    ``N p = 2 C + pi d`` with ``C = L - d - 2 (depth p + grouser)`` and ``d = p / sin(pi / z)``. The depth is
+    in pitches.
     """
     circle = 1.0 / math.sin(math.pi / gaps)
     return 2.0 * (over_shoes - 2.0 * grouser) / (shoes + 4.0 * depth - (math.pi - 2.0) * circle)
 
 
 def pitch_of_whole(whole: float, shoes: int, gaps: float, tips: tuple[float, float], share: float) -> float:
-    """Pitch of a chain about two circles of a sprocket's size, from the length that a ground pressure says.
+    """Return the pitch of a chain about two sprocket-sized circles, from the length of a ground pressure.
 
     ``N p = 2 C + pi d`` with ``C = whole - share (d + 2 (depth p + grouser))`` and ``d = p / sin(pi / z)``;
     `tips` are depth (pitches) and grouser (m).
@@ -54,7 +54,7 @@ def pitch_of_whole(whole: float, shoes: int, gaps: float, tips: tuple[float, flo
 
 
 def pitch_of_ends(ends: float, gaps: float, depth: float, grouser: float) -> float:
-    """Pitch of which sprocket, idler and shoes fill what a crawler is longer than on ground, m.
+    """Return the pitch at which sprocket, idler and shoes fill the crawler length beyond the ground, m.
 
     ``L - C = p / sin(pi / z) + 2 (depth p + grouser)``, depth in pitches.
     """
@@ -62,56 +62,57 @@ def pitch_of_ends(ends: float, gaps: float, depth: float, grouser: float) -> flo
 
 
 def pin_circle(pitch: float, gaps: float) -> float:
-    """Diameter of the pins' circle of a sprocket, ``p / sin(pi / z)``.
+    """Return the diameter of the pins' circle of a sprocket, ``p / sin(pi / z)``.
 
-    z is 10.5 for 21 teeth that mesh every other time (Case CX350B: 215.9 mm and 732.5 mm).
+    z is 10.5 for 21 teeth of a half-pitch sprocket (Case CX350B: 215.9 mm and 732.5 mm).
     """
     return pitch / math.sin(math.pi / gaps)
 
 
 def gaps_of(pitch: float, diameter: float) -> float:
-    """Gaps of a sprocket with a pins' circle of a diameter; the inverse of `pin_circle`."""
+    """Return the gaps of a sprocket from the diameter of its pins' circle; the inverse of `pin_circle`."""
     return math.pi / math.asin(min(1.0, pitch / diameter))
 
 
 def loop_length(on_ground: float, diameter: float) -> float:
-    """Length of a chain about two equal circles: ``2 C + pi d``."""
+    """Return the length of a chain about two equal circles: ``2 C + pi d``."""
     return 2.0 * on_ground + math.pi * diameter
 
 
 def ground_length(on_ground: float, over_shoes: float, share: float) -> float:
-    """Length that counts for a printed ground pressure: C + share (L - C).
+    """Return the length in a printed ground pressure: C + share (L - C).
 
-    Source: ISO 16754 as remembered has a share of 0.35; sheets of excavators have 0.30 to 0.42, dozers 0.
+    Source: ISO 16754 has a share of 0.35 (recalled); sheets of excavators have 0.30 to 0.42, dozers 0.
     """
     return on_ground + share * (over_shoes - on_ground)
 
 
 def ground_pressure(mass: float, width: float, length: float, gravity: float) -> float:
-    """Mean pressure (Pa) below two tracks of a width over a length."""
+    """Return the mean pressure (Pa) below two tracks from their width and length."""
     return mass * gravity / (2.0 * width * length)
 
 
 def clear_of(radius: float, other: float, height: float, play: float) -> float:
-    """Way along the track between axes of wheels, one `height` above the other, with a play between."""
+    """Return the distance along the track between wheel axes with a height difference and a clearance."""
     apart = radius + other + play
     return math.sqrt(max(0.0, apart**2 - height**2))
 
 
 def box_inertia(mass: float, length: float, width: float, height: float) -> np.ndarray:
-    """Moments of inertia of a box about its middle: array (3,), kg m2."""
+    """Return the moments of inertia of a box about its middle: array (3,), kg m2."""
     x, y, z = length**2, width**2, height**2
     return mass / 12.0 * np.array([y + z, x + z, x + y])
 
 
 def ring_inertia(mass: float, radius: float) -> np.ndarray:
-    """Moments of inertia about x, y (its axis) and z of a wheel between disc and ring, array (3,), kg m2.
+    """Return the moments of inertia of a wheel about x, y (its axis) and z, array (3,), kg m2.
 
-    Half of ``m r2`` about the axis, as a disc; 0.3 across, of a wheel that is 0.8 radii wide.
+    The wheel is between disc and ring: half of ``m r2`` about the axis, as a disc; 0.3 across, for a width of
+    0.8 radii.
     """
     return mass * radius**2 * np.array([0.3, 0.5, 0.3])
 
 
 def sprocket_torque(pull: float, radius: float, efficiency: float) -> float:
-    """Torque of one sprocket for the pull of both tracks: half of it at the radius, over the efficiency."""
+    """Return the torque of a sprocket for the pull of both tracks: half of it by radius over efficiency."""
     return 0.5 * pull * radius / efficiency

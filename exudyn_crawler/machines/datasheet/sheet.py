@@ -1,4 +1,4 @@
-"""Datasheet of a machine on two tracks: what makers print, of which any subset will do that determines it."""
+"""Datasheet of a machine on two tracks: makers' figures; any subset that determines the machine is enough."""
 
 from typing import Annotated, ClassVar, Literal
 
@@ -20,7 +20,7 @@ GREATEST_GAPS = 30.0
 
 
 class DatasheetError(ParameterError):
-    """A datasheet contradicts itself, or no machine follows from it: a line in its own words."""
+    """Error of a datasheet that contradicts itself or gives no machine: a line in its own terms."""
 
 
 class LiftPoint(Parameters):
@@ -31,7 +31,7 @@ class LiftPoint(Parameters):
 
 
 class LiftChart(Parameters):
-    """Loads of one height and direction that tipping limits: those that the chart prints without asterisk."""
+    """Loads limited by tipping at one height and direction: those printed without an asterisk."""
 
     over: Literal["side", "front"] = option("direction of the boom: side, or front along the tracks", "side")
     tipping_share: float = quantity(
@@ -45,10 +45,9 @@ class LiftChart(Parameters):
 
 
 class Datasheet(Parameters):
-    """Figures that a maker prints of a machine on two tracks; all that is left out follows or is typical.
+    """Maker's figures of a machine on two tracks; missing ones are derived or typical.
 
-    Places are measured from the middle of the length on ground, x to the front of the machine, z from the
-    ground.
+    Positions start at the middle of the length on ground, x to the front of the machine, z from the ground.
     """
 
     listed_by: ClassVar[str] = "exudyn-crawler machine --keys"
@@ -247,7 +246,7 @@ class Datasheet(Parameters):
 
     @property
     def track_gauge(self) -> float:
-        """Distance of the tracks' middles, m."""
+        """Distance between the tracks' middles, m."""
         if self.gauge is not None:
             return self.gauge
         assert self.width_over_shoes is not None
@@ -261,7 +260,7 @@ class Datasheet(Parameters):
     def counted_length(self, gravity: float) -> Ruled | None:
         """Return the length of a track (m) that counts as its contact.
 
-        It is that of the printed area, or else of the printed pressure; None without these.
+        It follows from the printed area, or else from the printed pressure; None without these.
         """
         if self.contact_area is not None:
             return Ruled(self.contact_area / (2.0 * self.shoe_width), "contact area")
@@ -272,10 +271,10 @@ class Datasheet(Parameters):
 
     @property
     def has_arms(self) -> bool:
-        """True where lower rollers or road wheels are on sprung arms."""
+        """True if lower rollers or road wheels are on sprung arms."""
         return (self.suspension or ("arms" if self.kind == "vehicle" else "rigid")) == "arms"
 
     @property
     def has_road_wheels(self) -> bool:
-        """True of a vehicle on arms: its sprocket and idler stand beyond its outer road wheels."""
+        """True for a vehicle on arms: sprocket and idler lie beyond its outer road wheels."""
         return self.kind == "vehicle" and self.has_arms

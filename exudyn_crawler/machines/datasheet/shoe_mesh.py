@@ -1,4 +1,4 @@
-"""Meshes of a datasheet's shoes: a ready one that fits it, and what follows from one that it names."""
+"""Meshes of a datasheet's shoes: a fitted ready shoe, and the values of a named mesh."""
 
 from functools import lru_cache
 from typing import TYPE_CHECKING, NamedTuple
@@ -25,31 +25,31 @@ READY: dict[Kind, ShoeKind] = {
     "vehicle": "plain",
 }
 """Ready shoes of machines whose datasheet names none."""
-SAME_PITCH = 1e-3  # m, as a flexible shoe's pins have to fit its bores
-SAME_WIDTH = 0.01  # of the width
+SAME_PITCH = 1e-3  # tolerance, m, since a flexible shoe's pins have to fit its bores
+SAME_WIDTH = 0.01  # tolerance, fraction of the width
 
 
 class MeshShoe(NamedTuple):
-    """Shoe of a mesh and where its pins are, m, in its axes."""
+    """Shoe of a mesh and positions of its pins, m, in the shoe's axes."""
 
     shoe: Shoe
     pitch: float
     pin_ahead: float
     pin_height: float
-    joint_y: tuple[float, float]  # of the right and of the left joint
-    grouser: float  # reach below the underside
-    is_covered: bool  # true where the underside has no gap in its rectangle
-    surface: str  # that bears a load from above
+    joint_y: tuple[float, float]  # y of the right and of the left joint
+    grouser: float  # depth below the underside
+    is_covered: bool  # true if the underside has no gap in its rectangle
+    surface: str  # surface that bears a load from above
 
     @property
     def depth(self) -> float:
-        """Underside below the pins, m."""
+        """Depth of the underside below the pins, m."""
         return float(self.pin_height + self.shoe.com_height)
 
 
 @lru_cache(maxsize=8)
 def shoe_of_mesh(name: str) -> MeshShoe:
-    """Shoe of a mesh by its name or path; a DatasheetError says what it lacks."""
+    """Return the shoe of a mesh by its name or path; a `DatasheetError` says what the mesh lacks."""
     # a case without a mesh need not wait for finite elements
     from meshes import STEEL, mesh_named
     from meshes.undersides import pin_place
@@ -80,19 +80,19 @@ def shoe_of_mesh(name: str) -> MeshShoe:
 
 
 def _bore(mesh: fem.Mesh, joint: str) -> np.ndarray:
-    """Least and greatest x, y, z of a bore: array (2, 3), m."""
+    """Return the least and greatest x, y, z of a bore: array (2, 3), m."""
     nodes = mesh.nodes[mesh.nodes_of(f"bore {joint}")]
     return np.stack((nodes.min(axis=0), nodes.max(axis=0)))
 
 
 def _joint(places: dict[str, np.ndarray], side: str) -> float:
-    """Y of a joint: the middle of what both ends' bores share, or of the gap between them, m."""
+    """Return y of a joint: the middle of the overlap, or of the gap, of both ends' bores, m."""
     low, high = np.stack([places[f"{end} {side}"][:, 1] for end in ("front", "rear")], axis=1)
     return float(0.5 * (low.max() + high.min()))
 
 
 def _is_covered(mesh: fem.Mesh) -> bool:
-    """True where the underside has no gap in its rectangle."""
+    """Return True if the underside has no gap in its rectangle."""
     under = mesh.nodes[mesh.nodes_of("underside"), :2]
     try:
         fem.FlatRectangle(mesh, "underside", under.min(axis=0), under.max(axis=0))
@@ -102,7 +102,7 @@ def _is_covered(mesh: fem.Mesh) -> bool:
 
 
 def sheet_of_mesh(sheet: Datasheet) -> Datasheet:
-    """Datasheet with pitch and grousers of the mesh of its shoes; a DatasheetError where they differ."""
+    """Return a datasheet with pitch and grousers of its shoe mesh; raise `DatasheetError` if they differ."""
     if sheet.shoe_mesh is None:
         return sheet
     of_mesh = shoe_of_mesh(sheet.shoe_mesh)
@@ -125,7 +125,7 @@ def sheet_of_mesh(sheet: Datasheet) -> Datasheet:
 
 
 def flexible_of(sheet: Datasheet, shoe: int) -> FlexibleShoes:
-    """Flexible shoes of a datasheet's machine, the one of a number alone where the file names none."""
+    """Return the flexible shoes of a datasheet's machine: only shoe number `shoe` if the file names none."""
     if sheet.shoe_mesh is None:
         raise DatasheetError(
             "flexible shoes need shoe_mesh in the datasheet: exudyn-crawler shoe MACHINE.toml makes one"
@@ -142,14 +142,15 @@ def flexible_of(sheet: Datasheet, shoe: int) -> FlexibleShoes:
 
 
 def ready_kind(sheet: Datasheet) -> ShoeKind:
-    """Kind of the ready shoe that fits a datasheet's machine."""
+    """Return the kind of ready shoe that fits a datasheet's machine."""
     return sheet.shoe_kind or READY[sheet.kind]
 
 
 def fitted_shoe(sheet: Datasheet, shoe: Shoe, chain: Chain, fineness: str) -> "fitted.FittedShoe":
-    """Ready shoe with pitch, width and weight of a datasheet, of which shoe and chain follow.
+    """Return a ready shoe with pitch, width and weight of a datasheet's `shoe` and `chain`.
 
-    A DatasheetError in its words where no such shoe has them; a ModuleNotFoundError if netgen is not there.
+    Raise `DatasheetError` in the datasheet's terms if no such shoe exists, `ModuleNotFoundError` if netgen is
+    missing.
     """
     from meshes import fitted
 

@@ -1,4 +1,4 @@
-"""Shoe of a datasheet: plate and link by the pitch, its weight by rule or as printed, and the chain of it."""
+"""Shoe and chain of a datasheet: plate and link scaled by the pitch, with derived or printed weight."""
 
 import numpy as np
 
@@ -8,13 +8,13 @@ from exudyn_crawler.machines.datasheet.chain import Chain
 from exudyn_crawler.machines.datasheet.sheet import Datasheet
 from exudyn_crawler.machines.datasheet.shoe_mesh import MeshShoe
 
-RAIL_SHARE = 0.98  # of the pitch: length of a rail, so that neighbours do not overlap
+RAIL_SHARE = 0.98  # length of a rail over the pitch, so that neighbours do not overlap
 
 
 def shoe_of(sheet: Datasheet, chain: Chain, of_mesh: MeshShoe | None = None) -> Shoe:
-    """Shoe of a mesh, or a plate that carries a link, whose masses are those of boxes.
+    """Return the shoe of a mesh, or a plate with a link, both with the masses of boxes.
 
-    The underside of these is at the tips of the grousers. The link lies between the plate and the top of the
+    The underside of the box shoe is at the grouser tips. The link lies between the plate and the top of the
     rails.
     """
     if of_mesh is not None:
@@ -57,7 +57,7 @@ def shoe_of(sheet: Datasheet, chain: Chain, of_mesh: MeshShoe | None = None) -> 
 
 
 def track_of(sheet: Datasheet, chain: Chain, shoe: Shoe, of_mesh: MeshShoe | None = None) -> Track:
-    """Chain of both tracks, whose pins are those of a mesh or end at the rails' middles."""
+    """Return the chain of both tracks; its pins are those of a mesh, or end at the rails' middles."""
     right = -0.5 * sheet.track_gauge
     if of_mesh is not None:
         return Track(

@@ -1,4 +1,4 @@
-"""What gives way in a datasheet's side frame: bogies, arms of road wheels, recoil spring of the idler."""
+"""Suspension in a datasheet's side frame: bogies, arms of road wheels, recoil spring of the idler."""
 
 import math
 from typing import NamedTuple
@@ -13,34 +13,35 @@ from exudyn_crawler.machines.datasheet.sheet import Datasheet, DatasheetError, K
 from exudyn_crawler.machines.datasheet.wheels import WheelPlaces
 
 RECOILS: tuple[Kind, ...] = ("excavator", "dozer", "loader", "drill", "paver")
-"""Kinds of machines whose idlers stand on grease cylinders before springs; shims hold those of the others."""
-RECOIL_DAMPING = 0.1  # of critical, of an idler on its spring: chosen here
+"""Kinds of machines with grease cylinders and recoil springs at the idlers; the others have shims."""
+RECOIL_DAMPING = 0.1  # damping of an idler on its spring, fraction of critical (assumed)
 WHEEL_INERTIA = 0.15, 0.13, 0.25
-"""Inertia of an arm with its wheel, which spins freely, over mass and wheel's radius squared: of the M113."""
+"""Inertia of an arm with its freely spinning wheel over mass and wheel radius squared (M113)."""
 COM = 0.66
-"""COM of an arm with its wheel, from pivot to axis: arms and wheels of M113 and Marder weigh 75 and 36 kg."""
-BUMP = 10.0  # times the stiffness of the spring that bump stops have: chosen here
+"""COM of an arm with its wheel, fraction of the way from pivot to axis: arms and wheels of M113 and Marder
+weigh 75 and 36 kg."""
+BUMP = 10.0  # stiffness of bump stops over that of the spring (assumed)
 
 
 class Springs(NamedTuple):
-    """Parts of one track that give way, which weigh beside its side frame."""
+    """Sprung parts of one track; their weight is separate from the side frame's."""
 
     arms: tuple[Arm, ...]
     recoil: Recoil | None
 
     @property
     def mass(self) -> float:
-        """Mass of all of them, kg."""
+        """Mass of all sprung parts, kg."""
         return sum(arm.mass for arm in self.arms) + (0.0 if self.recoil is None else self.recoil.mass)
 
 
 def springs_of(sheet: Datasheet, chain: Chain, shoe: float, place: WheelPlaces) -> Springs:
-    """Arms and recoil spring of a track whose shoes weigh `shoe`, kg."""
+    """Return arms and recoil spring of a track with shoes of the mass `shoe`, kg."""
     return Springs(_arms(sheet, chain, shoe, place), _recoil(sheet, chain.pitch))
 
 
 def bogies_of(sheet: Datasheet, pitch: float, rollers: tuple[float, ...]) -> tuple[Bogie, ...]:
-    """Bogies with two lower rollers each, from the front; they are part of the side frame's weight."""
+    """Return bogies with two lower rollers each, from the front; the side frame's weight includes them."""
     if not sheet.bogies:
         return ()
     if 2 * sheet.bogies > len(rollers):
@@ -62,7 +63,7 @@ def bogies_of(sheet: Datasheet, pitch: float, rollers: tuple[float, ...]) -> tup
 
 
 def _recoil(sheet: Datasheet, pitch: float) -> Recoil | None:
-    """Recoil spring; None where shims hold the idler."""
+    """Return the recoil spring; None if shims hold the idler."""
     has = sheet.kind in RECOILS if sheet.recoil_spring is None else sheet.recoil_spring
     if not (has or sheet.recoil_force is not None):
         return None
@@ -81,7 +82,7 @@ def _recoil(sheet: Datasheet, pitch: float) -> Recoil | None:
 
 
 def _arms(sheet: Datasheet, chain: Chain, shoe: float, place: WheelPlaces) -> tuple[Arm, ...]:
-    """Arms of the road wheels; none where they are fixed in the frame."""
+    """Return the arms of the road wheels; empty if the wheels are fixed in the frame."""
     if not sheet.has_arms:
         return ()
     if sheet.bogies:
@@ -103,7 +104,7 @@ def _arms(sheet: Datasheet, chain: Chain, shoe: float, place: WheelPlaces) -> tu
         critical = 2.0 * lever * math.sqrt(stiffness * sprung)
         damping = critical * sheet.typical_value("arm_damping")
     stop = sheet.typical_value("arm_stop")
-    # the case has its tumbler at the rear; a machine with its sprocket in front stands the other way round
+    # the case has its tumbler at the rear; a machine with its sprocket in front is reversed in it
     ahead = reach if sheet.sprocket == "rear" else -reach
     x_inertia, y_inertia, z_inertia = (share * mass * place.roller_radius**2 for share in WHEEL_INERTIA)
     return tuple(
@@ -124,7 +125,7 @@ def _arms(sheet: Datasheet, chain: Chain, shoe: float, place: WheelPlaces) -> tu
 
 
 def _sprung(sheet: Datasheet, chain: Chain, shoe: float, wheels: int, arm: float) -> float:
-    """Mass on an arm, kg: what is neither an arm nor a shoe on the ground, in even shares."""
+    """Return the mass on an arm, kg: even shares of all but arms and grounded shoes."""
     span = sheet.length_on_ground or chain.on_ground
     on_ground = 2.0 * (1.0 + span / chain.pitch) * shoe
     sprung = (sheet.operating_weight - on_ground) / (2.0 * wheels) - arm

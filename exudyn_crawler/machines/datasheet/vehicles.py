@@ -1,4 +1,4 @@
-"""RoadWheels gear of vehicles, where a datasheet leaves it out: sprocket and idler beyond the road wheels."""
+"""Running gear of vehicles for datasheets without one: sprocket and idler beyond the road wheels."""
 
 import math
 from typing import NamedTuple
@@ -12,17 +12,17 @@ from exudyn_crawler.origins import Ruled
 ROAD_WHEELS = "road wheels"
 """Name of the rules of a vehicle's running gear."""
 WIDEST = 1.6
-"""Times the typical ways from the outer road wheels to sprocket and idler, at which these stand at most."""
+"""Greatest distances from the outer road wheels to sprocket and idler, over the typical ones."""
 SIZES = 1.0, 0.95, 0.9, 0.85, 0.8
-"""Times the typical diameter of road wheels that are tried where none is printed."""
+"""Tried diameters of road wheels over the typical one, for datasheets without a printed one."""
 CLEAR = 0.95
-"""Diameter of road wheels over their spacing, at most, where none is printed."""
+"""Greatest diameter of road wheels over their spacing, for datasheets without a printed one."""
 PLAY = 0.1
-"""Pitches between wheels that stand beside each other, at least."""
+"""Least clearance between neighbouring wheels, pitches."""
 
 
 class RoadWheels(NamedTuple):
-    """RoadWheels gear of a vehicle, m."""
+    """Running gear of a vehicle, m."""
 
     pitch: float
     on_ground: float
@@ -30,17 +30,17 @@ class RoadWheels(NamedTuple):
     sprocket: float  # radius of the pins' circle
     idler: float  # radius of its treads
     axes: float  # height of the road wheels' axes above ground
-    above: tuple[float, float]  # of the axes of sprocket and idler above ground
-    ways: tuple[float, float]  # typical ones from the outer road wheels to both
-    rise: float  # of the rails above the pins
+    above: tuple[float, float]  # heights of the axes of sprocket and idler above ground
+    ways: tuple[float, float]  # typical distances from the outer road wheels to both
+    rise: float  # height of the rails above the pins
 
     @property
     def heights(self) -> tuple[float, float]:
-        """Of the axes of sprocket and idler above those of the road wheels."""
+        """Heights of the axes of sprocket and idler above those of the road wheels."""
         return self.above[0] - self.axes, self.above[1] - self.axes
 
     def places(self, share: float) -> tuple[float, float]:
-        """Ways from the outer road wheels to sprocket and idler, a share of the typical ones, or clear."""
+        """Return the distances from outer road wheels to sprocket and idler: a typical share, or clear."""
         play = PLAY * self.pitch
         first, last = (share * way for way in self.ways)
         return (
@@ -49,7 +49,7 @@ class RoadWheels(NamedTuple):
         )
 
     def belt(self, share: float) -> list[assembly.Piece]:
-        """Way of the pins with sprocket and idler at a share of the typical ways."""
+        """Return the path of the pins with sprocket and idler at a share of the typical distances."""
         first, last = self.places(share)
         under = self.wheel + self.rise
         around = math.hypot(self.idler + self.rise, 0.5 * self.pitch)
@@ -63,16 +63,16 @@ class RoadWheels(NamedTuple):
         )
 
     def shoes(self, share: float) -> int:
-        """Shoes of a chain about it."""
+        """Return the number of shoes of a chain on this path."""
         return round(sum(piece.length for piece in self.belt(share)) / self.pitch)
 
 
 def with_running_gear(sheet: Datasheet) -> tuple[Datasheet, dict[str, Ruled]]:
-    """Return the datasheet of a vehicle with the running gear that it leaves out, and the rules of that.
+    """Return a vehicle's datasheet completed by its missing running gear, and the rules of that.
 
-    Sprocket and idler stand so far beyond the outer road wheels that the chain closes about all of them. A
-    DatasheetError says which number of shoes would do where none of these places close it. Datasheets that
-    say where sprocket and idler are, and those of machines without road wheels on arms, stay as they are.
+    The distances of sprocket and idler from the outer road wheels close the chain. If no distance closes it,
+    a `DatasheetError` gives the possible numbers of shoes. A datasheet stays unchanged if it gives sprocket
+    and idler, or if its machine has no road wheels on arms.
     """
     if not sheet.has_road_wheels or sheet.sprocket_to_idler is not None:
         return sheet, {}
@@ -120,7 +120,7 @@ def with_running_gear(sheet: Datasheet) -> tuple[Datasheet, dict[str, Ruled]]:
 
 
 def _on_ground(sheet: Datasheet) -> Ruled | None:
-    """Return the length between the outer road wheels, m: printed, by area, pressure or chain, or None."""
+    """Return the length between the outer road wheels, m: printed, from area, pressure or chain, or None."""
     if sheet.length_on_ground is not None:
         return Ruled(sheet.length_on_ground, "given")
     counted = sheet.counted_length(ph4100c.GRAVITY)
@@ -132,7 +132,7 @@ def _on_ground(sheet: Datasheet) -> Ruled | None:
 
 
 def _pitch(sheet: Datasheet, on_ground: float) -> Ruled:
-    """Return the pitch, m: printed, of a chain of so many shoes, or by the vehicle's mass."""
+    """Return the pitch, m: printed, from the number of shoes, or from the vehicle's mass."""
     if sheet.pitch is not None:
         return Ruled(sheet.pitch, "given")
     if sheet.shoes is not None:
@@ -142,7 +142,7 @@ def _pitch(sheet: Datasheet, on_ground: float) -> Ruled:
 
 
 def _running(sheet: Datasheet, diameter: float) -> RoadWheels:
-    """RoadWheels gear with road wheels of a diameter, m: what is not printed is by that."""
+    """Return the running gear for a diameter of road wheels, m; values not printed scale with it."""
     pitch = sheet.pitch
     on_ground = sheet.length_on_ground
     gaps = sheet.sprocket_gaps
@@ -172,7 +172,7 @@ def _running(sheet: Datasheet, diameter: float) -> RoadWheels:
 
 
 def _filled(sheet: Datasheet, running: RoadWheels, share: float, diameter: float, shoes: int) -> Datasheet:
-    """Datasheet with a running gear, whose chain of so many shoes closes at a share of the typical ways."""
+    """Return a datasheet with a running gear whose chain closes at a share of the typical distances."""
     first, last = running.places(share)
     values = {
         "roller_diameter": diameter,

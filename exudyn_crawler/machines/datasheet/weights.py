@@ -1,4 +1,4 @@
-"""Weights of a datasheet's machine: what its operating weight consists of, and where it is."""
+"""Weights of a datasheet's machine: the parts of its operating weight and their COMs."""
 
 import math
 from typing import NamedTuple
@@ -9,10 +9,10 @@ from exudyn_crawler.machines.datasheet.chain import Chain
 from exudyn_crawler.machines.datasheet.sheet import Datasheet, DatasheetError
 from exudyn_crawler.origins import Ruled
 
-UPPER_OF_REST, BODY_OF_REST = 0.7, 0.4  # chosen here, for machines whose tracks are heavy
+UPPER_OF_REST, BODY_OF_REST = 0.7, 0.4  # shares for machines with heavy tracks (assumed)
 HEAVY_TRACKS = "heavy tracks"
-"""Name of the rule by which these share what the tracks leave."""
-LEAST_FRAMES = 0.02  # of the operating weight: both side frames with their wheels
+"""Name of the rule that shares the rest of the weight beside the tracks."""
+LEAST_FRAMES = 0.02  # least mass of both side frames with wheels, fraction of the operating weight
 
 
 class PartWeights(NamedTuple):
@@ -28,22 +28,22 @@ class PartWeights(NamedTuple):
     upper_inertia: Six
     upper_com: Three
     ruled: dict[str, Ruled]
-    """Values with their rules, by their paths, where there are several rules."""
+    """Values with several possible rules, with the rule of each, by their paths."""
 
 
 def gyration_inertia(mass: float, roll: float, pitch: float, yaw: float) -> Six:
-    """Inertia by radii of gyration, m."""
+    """Return the inertia from radii of gyration, m."""
     return mass * roll**2, mass * pitch**2, mass * yaw**2, 0.0, 0.0, 0.0
 
 
 def weights_of(
     sheet: Datasheet, chain: Chain, shoe: float, beside: tuple[float, float], axes: float
 ) -> PartWeights:
-    """Weights of the parts, which add up to the operating weight.
+    """Return the weights of the parts, whose sum is the operating weight.
 
-    `shoe` is the mass of one (kg), `beside` are those of a track's sprocket and of what it has on springs,
-    `axes` is the height of the rollers' axes above ground, m.
-    A DatasheetError where the parts weigh more than the machine.
+    `shoe` is the mass of a shoe (kg). `beside` are the masses of a track's sprocket and sprung parts (kg),
+    and `axes` is the height of the rollers' axes above ground, m. Raise `DatasheetError` if the parts weigh
+    more than the machine.
     """
     length = chain.on_ground
     of_upper, of_body, frames = _shares(sheet, chain, shoe, beside)
@@ -108,9 +108,9 @@ def _shares(
 def _upper_com(sheet: Datasheet, place: Ruled | None, upper: float, length: float, axes: float) -> Three:
     """Return the COM of the upper structure in the machine's axes, m.
 
-    It is the printed one, or that with which the machine's COM is at its `place` (m) ahead of the middle.
+    It is the printed one, or the one that puts the machine's COM at its `place` (m) ahead of the middle.
     """
-    # the case has its tumbler at the rear; a machine with its sprocket in front stands the other way round
+    # the case has its tumbler at the rear; a machine with its sprocket in front is reversed in it
     ahead = 1.0 if sheet.sprocket == "rear" else -1.0
     if sheet.upper_com is not None:
         x, y, z = sheet.upper_com
@@ -121,7 +121,7 @@ def _upper_com(sheet: Datasheet, place: Ruled | None, upper: float, length: floa
 
 
 def _com_ahead(sheet: Datasheet, length: float) -> Ruled:
-    """Return the COM of the machine ahead of the middle, m: printed, of its lift chart, or typical."""
+    """Return the COM of the machine ahead of the middle, m: printed, from its lift chart, or typical."""
     if sheet.com_ahead is not None:
         return Ruled(sheet.com_ahead, "given")
     chart = sheet.lift_chart

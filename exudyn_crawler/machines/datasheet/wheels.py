@@ -1,7 +1,7 @@
 """Wheels of a datasheet's side frame: sprocket and idler, lower rollers between them, carriers above.
 
-Places are in the axes of the side frame, from the middle between sprocket and idler at the height of the
-rollers' axes. The idler has the size with which the chain closes at the length that the datasheet has.
+Positions are in the axes of the side frame, from the middle between sprocket and idler at the height of the
+rollers' axes. The size of the idler closes the chain at the datasheet's length.
 """
 
 import math
@@ -16,9 +16,9 @@ from exudyn_crawler.machines.datasheet.chain import Chain
 from exudyn_crawler.machines.datasheet.sheet import Datasheet, DatasheetError
 from exudyn_crawler.origins import Ruled
 
-PLAY = 0.1  # pitches, between wheels that stand beside each other, at least
-LEAST_ROLLER = 0.3  # pitches, of a roller's radius where many must stand
-IDLERS = 0.6, 1.5  # of the sprocket's circle of pins: those that idlers have
+PLAY = 0.1  # least clearance between neighbouring wheels, pitches
+LEAST_ROLLER = 0.3  # least radius of a roller in a dense row, pitches
+IDLERS = 0.6, 1.5  # range of an idler's circle of pins over the sprocket's
 
 
 class WheelPlaces(NamedTuple):
@@ -35,23 +35,23 @@ class WheelPlaces(NamedTuple):
     carriers: tuple[Wheel, ...]
     carrier_radius: float
     ruled: dict[str, Ruled]
-    """Values with their rules, by their paths, where there are several rules."""
+    """Values with several possible rules, with the rule of each, by their paths."""
 
 
 class Layout(NamedTuple):
-    """WheelPlaces about which a chain closes, but for the idler's circle of pins; m."""
+    """Wheels within a closing chain, except the idler's circle of pins; m."""
 
     pitch: float
     on_ground: float
-    rise: float  # of the rails above the pins
+    rise: float  # height of the rails above the pins
     pins: float  # radius of the pins' circle on the sprocket
     root: float  # radius of the sprocket between its teeth
-    lifts: tuple[float, float, float]  # of sprocket, idler and carriers
+    lifts: tuple[float, float, float]  # lifts of sprocket, idler and carriers
     roller_radius: float
     rollers: int
     carrier_radius: float
     carriers: int
-    heights: tuple[float | None, float | None] = (None, None)  # of sprocket and idler above the rollers' axes
+    heights: tuple[float | None, float | None] = (None, None)  # sprocket and idler above the rollers' axes
     ends: tuple[float, float] | None = None  # x of the outer rollers
 
     @property
@@ -66,16 +66,16 @@ class Layout(NamedTuple):
         return -0.5 * self.on_ground, self.low + self.lifts[0] + self.pins if height is None else height
 
     def idler(self, circle: float) -> Wheel:
-        """Axis of an idler with a pins' circle of this radius."""
+        """Return the axis of an idler with a pins' circle of this radius."""
         height = self.heights[1]
         return 0.5 * self.on_ground, self.low + self.lifts[1] + circle if height is None else height
 
     def tread(self, circle: float) -> float:
-        """Radius of the idler's treads, which rails touch between their pins."""
+        """Return the radius of the idler's treads, which rails touch between their pins."""
         return math.sqrt(circle**2 - 0.25 * self.pitch**2) - self.rise
 
     def roller_ends(self, circle: float) -> tuple[float, float]:
-        """X of the first and the last roller: given, or where they clear sprocket and idler."""
+        """Return x of the first and the last roller: given, or clear of sprocket and idler."""
         if self.ends is not None:
             return self.ends
         (rear, height) = self.sprocket
@@ -85,23 +85,23 @@ class Layout(NamedTuple):
         return first, front - rules.clear_of(self.tread(circle), self.roller_radius, other, play)
 
     def roller_places(self, circle: float) -> tuple[float, ...]:
-        """X of all rollers, evenly."""
+        """Return x of all rollers, evenly spaced."""
         return tuple(np.linspace(*self.roller_ends(circle), self.rollers).tolist())
 
     def carrier_places(self, circle: float) -> tuple[Wheel, ...]:
-        """X and z of the carriers, evenly and so that they lift the upper run."""
+        """Return x and z of the carriers, evenly spaced and high enough to lift the upper run."""
         front = (*self.idler(circle), circle)
         angle = assembly.tangent_angle(front, (*self.sprocket, self.pins))
         half = 0.5 * self.on_ground
         places = np.linspace(-half, half, self.carriers + 2)[1:-1]
-        # line that touches both circles of pins
+        # common tangent of both circles of pins
         above = front[0] * math.cos(angle) + front[1] * math.sin(angle) + circle
         line = (above - places * math.cos(angle)) / math.sin(angle)
         heights = line + self.lifts[2] - self.rise - self.carrier_radius
         return tuple(zip(places.tolist(), heights.tolist(), strict=True))
 
     def belt(self, circle: float) -> list[assembly.Piece]:
-        """Way of the pins: sprocket, outer rollers, idler, outer carriers."""
+        """Return the path of the pins: sprocket, outer rollers, idler, outer carriers."""
         under = self.roller_radius + self.rise
         over = self.carrier_radius + self.rise
         lower = [(x, 0.0, under) for x in self.roller_ends(circle)]
@@ -112,9 +112,9 @@ class Layout(NamedTuple):
 
 
 def wheels_of(sheet: Datasheet, chain: Chain, rise: float) -> WheelPlaces:
-    """Wheels that neither overlap nor lie within the chain; `rise` is that of the rails above the pins, m.
+    """Return wheels without overlap inside the chain; `rise` is that of the rails above the pins, m.
 
-    A DatasheetError in words of the datasheet where they do not fit.
+    Raise `DatasheetError` in the datasheet's terms if the wheels do not fit.
     """
     pitch = chain.pitch
     pins = 0.5 * rules.pin_circle(pitch, chain.built_gaps)
@@ -167,18 +167,18 @@ def wheels_of(sheet: Datasheet, chain: Chain, rise: float) -> WheelPlaces:
 
 
 def _above(height: float | None, axes: float) -> float | None:
-    """Height above the rollers' axes of one above the ground, m."""
+    """Return a height above the rollers' axes from one above the ground, m."""
     return None if height is None else height - axes
 
 
 def _radius(sheet: Datasheet, name: str, pitch: float) -> float:
-    """Return the radius of wheels: by their printed diameter, or typical."""
+    """Return the radius of wheels: from their printed diameter, or typical."""
     diameter = getattr(sheet, name)
     return 0.5 * pitch * sheet.typical_value(name) if diameter is None else 0.5 * float(diameter)
 
 
 def _roller_count(sheet: Datasheet, chain: Chain) -> int:
-    """Lower rollers of one track: printed, or by their spacing."""
+    """Return the number of lower rollers of one track: printed, or from their spacing."""
     if sheet.lower_rollers is not None:
         return sheet.lower_rollers
     spacing = chain.pitch * sheet.typical_value("roller_spacing")
@@ -186,14 +186,14 @@ def _roller_count(sheet: Datasheet, chain: Chain) -> int:
 
 
 def _carrier_count(sheet: Datasheet, chain: Chain) -> int:
-    """Carrier rollers of one track: printed, or by their spacing."""
+    """Return the number of carrier rollers of one track: printed, or from their spacing."""
     if sheet.carrier_rollers is not None:
         return sheet.carrier_rollers
     return round(chain.on_ground / (chain.pitch * sheet.typical_value("carrier_spacing")))
 
 
 def _with_rollers_that_fit(layout: Layout, chain: Chain) -> Layout:
-    """Layout whose rollers stand beside each other: smaller ones where many are asked for."""
+    """Return a layout with rollers side by side, smaller if there are many."""
     radius = layout.roller_radius
     least = LEAST_ROLLER * layout.pitch
     while True:
@@ -213,7 +213,7 @@ def _with_rollers_that_fit(layout: Layout, chain: Chain) -> Layout:
 
 
 def _closing_circle(layout: Layout, chain: Chain) -> float:
-    """Radius of the pins' circle on the idler with which the chain closes, m."""
+    """Return the radius of the pins' circle on the idler that closes the chain, m."""
     bounds = IDLERS[0] * layout.pins, IDLERS[1] * layout.pins
     try:
         return assembly.closed_chain(layout.belt, layout.pitch, chain.shoes, bounds, "an idler of")
