@@ -17,6 +17,7 @@ import pandas as pd
 from benchmarks.growth import timed
 from exudyn_crawler import Case, FlexibleShoes, LoadCycle, simulate
 from exudyn_crawler.case import ph4100c
+from exudyn_crawler.case.gear.closed import Closed
 from exudyn_crawler.run.solve.stages import Recorder
 from exudyn_crawler.views.tables import print_table
 from studies.closed import INTERVAL, ON_SPOT, TURNS, turning_case
@@ -31,7 +32,7 @@ SHOES, PROCESSES, RUNS = (38, 40), 6, 5
 
 def longer_loop(case: Case, shoes: int) -> Case:
     """A closed track of so many shoes, whose tumbler and idler stand half of what is added farther out."""
-    frame = case.closed_gear()
+    frame = case.part(Closed)
     more = 0.25 * (shoes - case.track.shoe_count) * case.track.pitch
     (rear, height), (front, low) = frame.tumbler.place, frame.idler.place
     return case.with_(

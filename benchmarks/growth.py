@@ -89,7 +89,7 @@ def longer(shoes: int) -> Case:
     case = Case.translation()
     track = case.track.with_(shoe_count=shoes)
     length = track.pitch * shoes + track.first_com[0] + 8.0
-    units = case.unit_terrain()
+    units = case.part(Terrain)
     terrain = units.with_(columns=int(np.ceil(length / units.unit_length)))
     return case.with_(track=track, terrain=terrain, loads=LoadCycle.constant([PULL] * shoes))
 
@@ -123,7 +123,7 @@ def growths() -> Iterator[dict[str, object]]:
         yield {"what": "flexible shoes", "number": len(numbers)} | beside(flexible(numbers), 0.2)
     for modes in ("0 fixed", "12 fixed", "34 fixed", "all"):
         case = flexible((13,), modes)
-        count = case.flexible_shoes().mode_count
+        count = case.part(FlexibleShoes).mode_count
         yield {"what": "modes", "number": count} | beside(case, 0.1, engine=count < 60)
     for columns, rows in ((10, 5), (19, 13), (40, 25)):
         yield {"what": "units", "number": columns * rows} | beside(units(columns, rows), 0.5)

@@ -12,6 +12,7 @@ import numpy as np
 import pandas as pd
 
 from exudyn_crawler import Case, Drive, LoadCycle, simulate
+from exudyn_crawler.case.parameters.track import FlexibleShoes
 from exudyn_crawler.model.compiled_system import compiled_system
 from exudyn_crawler.model.flexible_shoes import floating_shoe, shoe_model
 from exudyn_crawler.model.state import RATES
@@ -44,7 +45,7 @@ def windows(mesh: str = "coarse") -> pd.DataFrame:
     """Peak von Mises stress (MPa) of each flexible shoe in both windows, default modes against all 94."""
     rows = []
     for name, case, start in (("propel", Case.stress(mesh), 3.0), ("loading", loading_case(mesh), 4.0)):
-        flexible = case.flexible_shoes()
+        flexible = case.part(FlexibleShoes)
         state, history = _state(case, start)
         few = _peaks(integrated_from(case, state, WINDOW))
         whole = case.with_(flexible=with_modes(flexible, "all"))
@@ -76,7 +77,7 @@ def _state(case: Case, time: float) -> tuple[np.ndarray, History]:
 
 def _in_all_modes(history: History, state: np.ndarray, whole: Case) -> np.ndarray:
     """State row of the track with all modes: what is not integrated stands where its loads hold it."""
-    units, flexible = unit_loads(history.case), history.case.flexible_shoes()
+    units, flexible = unit_loads(history.case), history.case.part(FlexibleShoes)
     alone = History(history.case.with_(flexible=flexible.with_(static_fields=False)), history.dataset)
     few, all_modes = compiled_system(history.case).layout, compiled_system(whole).layout
     names = ["time", "multipliers"] + [f"{part}{rate}" for part in ("shoes", "terrain") for rate in RATES]
@@ -94,7 +95,7 @@ def _in_all_modes(history: History, state: np.ndarray, whole: Case) -> np.ndarra
 
 def _products(first: ReducedBody, second: ReducedBody, case: Case) -> np.ndarray:
     """Products of two bodies' modes by mass: array (first, second)."""
-    body, _ = shoe_model(case.flexible_shoes(), case.track)
+    body, _ = shoe_model(case.part(FlexibleShoes), case.track)
     modes = [one.modes.reshape(-1, len(one.frequencies)) for one in (first, second)]
     return modes[0].T @ (body.mass_matrix @ modes[1])
 

@@ -10,6 +10,8 @@ from typing import NamedTuple
 from exudyn_crawler import errors, files
 from exudyn_crawler.case import CellTerrain
 from exudyn_crawler.case.parameters.checks import warn_of
+from exudyn_crawler.case.parameters.terrain import CellContact
+from exudyn_crawler.case.parameters.track import FlexibleShoes
 from exudyn_crawler.machines import CaseFile, check_case_file
 from exudyn_crawler.machines.datasheet.discrepancies import odd_machine
 from exudyn_crawler.model import flexible_shoes, reductions as cache
@@ -83,7 +85,7 @@ def run_case(
     if case.flexible is not None:
         flexible_shoes.check_shoe(case)
     if isinstance(case.terrain, CellTerrain):
-        case.terrain.earlier(case.cell_contact().law)
+        case.terrain.earlier(case.part(CellContact).law)
     warn_of(odd_machine(case_file))
     case = solved_for_tension(case, progress)
     case_file = case_file.with_(case=case)
@@ -144,7 +146,7 @@ def _reduce_shoe(work: _Work) -> None:
             stored = flexible_shoes.whole_reduction(case)
         if stored.existed:
             work.folder.say(f"{case.name}: the reduced shoe is taken from {stored.path}")
-        if case.flexible_shoes().static_fields:
+        if case.part(FlexibleShoes).static_fields:
             with work.part(parts.FIELDS):
                 # the simulation does not need them
                 basis.store_static_fields(case)

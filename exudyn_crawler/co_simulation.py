@@ -28,6 +28,7 @@ from threadpoolctl import threadpool_limits
 
 from exudyn_crawler import errors, files
 from exudyn_crawler.case import Case, MachineCycle, MachinePhase
+from exudyn_crawler.case.gear.running_gear import RunningGear
 from exudyn_crawler.machines import CaseFile, read_case, write_case
 from exudyn_crawler.model import diagnostics
 from exudyn_crawler.model.compiled_system import CompiledSystem
@@ -124,7 +125,7 @@ class SteppedRun:
     """
 
     def __init__(self, case: Case, wrench: np.typing.ArrayLike) -> None:
-        case.running_gear()
+        case.part(RunningGear)
         force, moment = np.asarray(wrench, dtype=float).reshape(2, 3).tolist()
         if any((*force, *moment)) or case.machine is not None:
             phase = MachinePhase(name="rest", end=0.0, force=tuple(force), moment=tuple(moment))
@@ -391,7 +392,7 @@ def write_fmu(case_file: CaseFile, path: str | Path, overwrite: bool = False) ->
     Raises ValueError if the case has no machine; FileExistsError if the file exists and `overwrite` is false.
     """
     path = Path(path)
-    case_file.case.running_gear()
+    case_file.case.part(RunningGear)
     with files.whole_file(path, overwrite) as temporary, tempfile.TemporaryDirectory() as folder:
         script = Path(folder) / f"{SCRIPT}.py"
         script.write_text(LINES, encoding="utf-8")

@@ -166,7 +166,7 @@ def _covers_its_rectangle(mesh: fem.Mesh) -> bool:
 
 def _refusals(case: Case, mesh: fem.Mesh) -> Iterator[str]:
     """Yield the reasons for which a run with flexible shoes of a mesh would be refused."""
-    name = case.flexible_shoes().mesh
+    name = case.part(FlexibleShoes).mesh
     checks: tuple[Callable[[], object], ...] = (
         lambda: shoe_mesh.pin_interfaces(mesh, name, case.track),
         lambda: shoe_mesh.check_fit(mesh, name, case.shoe, case.shoe.rails),

@@ -14,7 +14,10 @@ from numpy.typing import ArrayLike
 
 from exudyn_crawler.case import Rolled
 from exudyn_crawler.case.gear.base import POSTS
+from exudyn_crawler.case.gear.closed import Closed
 from exudyn_crawler.case.parameters.base import inertia_tensor
+from exudyn_crawler.case.parameters.terrain import Terrain
+from exudyn_crawler.case.parameters.track import FlexibleShoes
 from exudyn_crawler.ground.rotations import moments_on_angles, rotation_matrices
 from exudyn_crawler.results.history.history import History
 from exudyn_crawler.results.loads import actions as acting
@@ -116,7 +119,7 @@ def _others(history: History, frame: _Motion) -> Iterator[_Motion]:
     time = history.time.values
     if not case.gear.tumblers:
         return
-    closed = case.closed_gear()
+    closed = case.part(Closed)
     places = _of_tracks(history, "tumbler_position")
     take_up = _of_tracks(history, "take_up")
     inertia = inertia_tensor(closed.tumbler.inertia)
@@ -284,7 +287,7 @@ def energies(history: History) -> xr.Dataset:
     kinetic, height = (energy.sum(axis=1) for energy in _shoes(history).energies(gravity))
     stored = {"kinetic": kinetic, "gravitational": height}
     if case.contact.model != "cells":
-        terrain = case.unit_terrain()
+        terrain = case.part(Terrain)
         heave = history.unit_heave.values
         tilt = history.unit_tilt.values
         kinetic += 0.5 * terrain.unit_mass * np.sum(history.unit_heave_rate.values**2, axis=1)
@@ -300,14 +303,14 @@ def energies(history: History) -> xr.Dataset:
             sum(of_kind) for of_kind in zip(*by_body, strict=True)
         )
     if history.has("tread_force"):
-        stored["treads"], _, _ = _treads(history, case.rolled_gear(), side, _shoes(history))
+        stored["treads"], _, _ = _treads(history, case.part(Rolled), side, _shoes(history))
     if history.has("wheel_energy"):
         stored["treads"] = history.wheel_energy.values
         stored["teeth"] = history.tooth_energy.values
-        if (spring := case.closed_gear().idler.tensioner) is not None:
+        if (spring := case.part(Closed).idler.tensioner) is not None:
             push = spring.preload - spring.stiffness * _of_tracks(history, "take_up")
             stored["tensioners"] = 0.5 * np.sum(push**2, axis=0) / spring.stiffness
-        elif (recoil := case.closed_gear().idler.recoil) is not None:
+        elif (recoil := case.part(Closed).idler.recoil) is not None:
             back = case.assembled.take_up - _of_tracks(history, "take_up")
             stored["tensioners"] = np.sum(recoil.preload * back + 0.5 * recoil.stiffness * back**2, axis=0)
     if case.flexible is not None:
@@ -343,7 +346,7 @@ def powers(history: History) -> xr.Dataset:
     else:
         named |= _unit_powers(history, shoes)
     if history.has("tread_force"):
-        named |= _rolled_powers(history, case.rolled_gear(), shoes, supplied[Kind.CHAIN])
+        named |= _rolled_powers(history, case.part(Rolled), shoes, supplied[Kind.CHAIN])
     if history.has("wheel_energy"):
         named |= _closed_powers(history, shoes)
     return _over_time(history, "W", **named)
@@ -351,7 +354,7 @@ def powers(history: History) -> xr.Dataset:
 
 def _unit_powers(history: History, shoes: _Motion) -> dict[str, np.ndarray]:
     """Return the powers (times,) that units and the contact with them take."""
-    terrain = history.case.unit_terrain()
+    terrain = history.case.part(Terrain)
     law = history.case.contact
     if law.model != "pair":
         raise ValueError(
@@ -423,7 +426,7 @@ def _closed_powers(history: History, shoes: _Motion) -> dict[str, np.ndarray]:
         taken[f"{kind}_losses"] = lost
     if case.flexible is not None:
         taken["modal_damping"] = _modal_powers(history, taken)
-    if (spring := case.closed_gear().idler.slide) is not None:
+    if (spring := case.part(Closed).idler.slide) is not None:
         rate = _rate(_of_tracks(history, "take_up").T, time)
         taken["tensioner_damping"] = spring.stiffness * spring.relaxation * np.sum(rate**2, axis=1)
         idlers = [label.kind == "idler" for label in case.gear.wheel_labels]
@@ -437,7 +440,7 @@ def _closed_powers(history: History, shoes: _Motion) -> dict[str, np.ndarray]:
 
 def _modal_powers(history: History, taken: dict[str, np.ndarray]) -> np.ndarray:
     """Return the power of modal damping (times,), W; subtract bending from the losses of wheels and teeth."""
-    flexible = history.case.flexible_shoes()
+    flexible = history.case.part(FlexibleShoes)
     units = unit_loads(history.case)
     rates = 4.0 * np.pi * history.frequency.values * flexible.damping.value(history.frequency.values)
     for shoe in flexible.shoes:

@@ -15,6 +15,8 @@ import xarray as xr
 
 from exudyn_crawler import Case, CaseFile, FlexibleShoes, History, LoadCycle, StepProfile
 from exudyn_crawler.case import Drive, Rolled, ph4100c
+from exudyn_crawler.case.gear.closed import Closed
+from exudyn_crawler.case.gear.running_gear import RunningGear
 from exudyn_crawler.case.parameters.track import SIDES
 from exudyn_crawler.case_run import CaseRun
 from exudyn_crawler.ground.rotations import rotation_matrices
@@ -56,7 +58,7 @@ def rolled_case(tension: float = ph4100c.UNDERCARRIAGE["end_tension"]) -> Case:
     """Return the rolled open track with rollers, ground and contact of the closed one; `tension` is in N."""
     closed = closed_case()
     case = Case.rolled()
-    frame = Rolled.ph4100c().with_(rollers=closed.closed_gear().rollers, end_tension=tension)
+    frame = Rolled.ph4100c().with_(rollers=closed.part(Closed).rollers, end_tension=tension)
     return case.with_(
         track=case.track.with_(shoe_count=OPEN_SHOES),
         loads=LoadCycle.constant([0.0] * OPEN_SHOES),
@@ -97,7 +99,7 @@ def study_cases(
 
 def peaks_in_mid_track(history: History) -> dict[str, float]:
     """Return forces on shoes between the outer rollers' axes, kN: greatest, and mean of acting ones."""
-    rollers = history.case.running_gear().rollers
+    rollers = history.case.part(RunningGear).rollers
     frame = history.side_frame_position.transpose("time", "axis").values
     place = history.position.transpose("time", "shoe", "axis").values - frame[:, None]
     below = (place[..., 0] > rollers[0]) & (place[..., 0] < rollers[-1]) & (place[..., 2] < 0.0)
@@ -183,7 +185,7 @@ def torque_by_tension(history: History, cuts: tuple[float, ...] = CUTS) -> pd.Da
     """
     case = history.case
     data = history.dataset
-    closed = history.case.closed_gear()
+    closed = history.case.part(Closed)
     track = case.track
     weight = case.shoe.mass * case.gravity
     rows = np.arange(history.time.size)

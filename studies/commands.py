@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
+from exudyn_crawler.case.parameters.track import FlexibleShoes
 from exudyn_crawler.cli import application
 from exudyn_crawler.cli.application import RESULTS, Out, Overwrite
 from exudyn_crawler.views.tables import print_table, within_by_class
@@ -142,7 +143,7 @@ def stress(
         return
     case = Case.stress(mesh)
     if modes is not None:
-        case = case.with_(flexible=with_modes(case.flexible_shoes(), modes))
+        case = case.with_(flexible=with_modes(case.part(FlexibleShoes), modes))
     if cycle is not None:
         case = case.with_(loads=LoadCycle.from_file(cycle))
     loads = case.loads.table()

@@ -14,6 +14,7 @@ import pandas as pd
 import scipy.linalg
 
 from exudyn_crawler import Case, Shoe
+from exudyn_crawler.case.parameters.contact import PairContact
 from exudyn_crawler.model.compiled_system import compiled_system
 from exudyn_crawler.run.solve.equilibrium import static_equilibrium
 from studies.sliding import LinearTrack, derivative, eigenmodes
@@ -25,7 +26,7 @@ STEP = 1e-7
 
 def swings(case: Case) -> np.ndarray:
     """Return the `eigenmodes` eigenvalues of a rigid track at rest without friction, its front shoe held."""
-    contact = case.pair_contact().with_(static_friction=0.0, dynamic_friction=0.0)
+    contact = case.part(PairContact).with_(static_friction=0.0, dynamic_friction=0.0)
     case = case.with_(contact=contact)
     system = compiled_system(case)
     n = system.layout.coordinate_count

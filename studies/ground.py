@@ -17,7 +17,9 @@ from numpy.typing import ArrayLike
 
 from exudyn_crawler import Case, CaseFile, Duty, FatigueMaterial, FlexibleShoes, History
 from exudyn_crawler.case import Heights
+from exudyn_crawler.case.gear.rolled import Rolled
 from exudyn_crawler.case.parameters.heights import Ridge, Stone
+from exudyn_crawler.case.parameters.terrain import CellContact, CellTerrain
 from exudyn_crawler.case_run import CaseRun
 from exudyn_crawler.ground.cells.laws.bekker import BekkerSoil
 from exudyn_crawler.ground.cells.laws.rock import RockFloor
@@ -91,7 +93,7 @@ def study_cases(
 
 def covered(history: History) -> np.ndarray:
     """Return the share of each cell below undersides at the end of a run, from above; shoes stand along x."""
-    cell = history.case.cell_terrain().cell
+    cell = history.case.part(CellTerrain).cell
     (x0, x1, y0, y1, _) = history.case.shoe.footprint
     place = history.position.isel(time=-1).values
 
@@ -111,7 +113,7 @@ def kept_work(
 
     Shoes press on a `share` of every cell.
     """
-    law = history.case.cell_contact().law
+    law = history.case.part(CellContact).law
     shoe = history.case.shoe
     if not isinstance(law, BekkerSoil):
         return 0.0
@@ -121,7 +123,7 @@ def kept_work(
     modulus = np.array([law.kernel.prepare(constants, *pair)[0] for pair in zip(z, p, strict=True)])
     given_back = np.divide(0.5 * p**2, modulus, out=np.zeros_like(p), where=modulus > 0.0)
     work = share * (p * z / (law.exponent + 1.0) - given_back)
-    return history.case.cell_terrain().cell ** 2 * float(work.sum())
+    return history.case.part(CellTerrain).cell ** 2 * float(work.sum())
 
 
 def work_balance(history: History) -> dict[str, float]:
@@ -130,7 +132,7 @@ def work_balance(history: History) -> dict[str, float]:
     The works are mean forces over the distance travelled, in kN. The work kept is unknown on units.
     """
     case = history.case
-    frame = history.case.rolled_gear()
+    frame = history.case.part(Rolled)
     x, height = (history.side_frame_position.sel(axis=axis).values for axis in "xz")
     resistance = frame.rolling_resistance * frame.mass * case.gravity
     shoes = history.position.sel(axis="z").sum("shoe").values
@@ -207,7 +209,7 @@ def powers_over_way(history: History) -> dict[str, float]:
     """
     case = history.case
     work = energy_balance(history).isel(time=-1)
-    frame = case.rolled_gear()
+    frame = case.part(Rolled)
     x = history.side_frame_position.sel(axis="x").values
     pulled = np.trapezoid(history.drive_pull.values, x)
     rolling = frame.rolling_resistance * frame.mass * case.gravity * (x[-1] - x[0])

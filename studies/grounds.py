@@ -42,7 +42,7 @@ def pitching(case: Case) -> Case:
 
     Two springs there resist heave and pitch exactly like an evenly spread support of the same stiffness.
     """
-    terrain = case.unit_terrain()
+    terrain = case.part(Terrain)
     return case.with_(terrain=terrain.with_(tilt="pitch", spring_offset=terrain.unit_length / 12.0**0.5))
 
 

@@ -15,6 +15,8 @@ import pandas as pd
 from exudyn_crawler import Case, CaseFile, FlexibleShoes, LoadCycle, StepProfile, simulate
 from exudyn_crawler.case import MachineCycle, Rails, Rolled, ph4100c
 from exudyn_crawler.case.gear.rolled import ground_below
+from exudyn_crawler.case.parameters.contact import PairContact
+from exudyn_crawler.case.parameters.terrain import Terrain
 from exudyn_crawler.case_run import CaseRun
 from exudyn_crawler.errors import SimulationStopped
 from exudyn_crawler.results.stress.hot_spots import REGIONS, SHARE, region_table
@@ -48,7 +50,7 @@ def rolled_case(mesh: str = "study") -> Case:
         name="pass",
         shoe=case.shoe.of_mass(ph4100c.STRESS_SHOE_MASS),
         track=track,
-        terrain=ground_below(track, case.unit_terrain()),
+        terrain=ground_below(track, case.part(Terrain)),
         loads=LoadCycle.constant([0.0] * COUNT),
         flexible=FlexibleShoes.ph4100c(mesh).with_(shoes=FLEXIBLE),
         gear=Rolled.ph4100c().with_(start=BEFORE),
@@ -149,8 +151,8 @@ def choices() -> dict[str, Case]:
         "tumbler in front": frame.with_(tumbler=-frame.tumbler),
     }
     cases = {name: case.with_(name=name, gear=gear) for name, gear in changed.items()}
-    springs = case.unit_terrain().with_(spring_stiffness=FIRM * case.unit_terrain().spring_stiffness)
-    contact = case.pair_contact()
+    springs = case.part(Terrain).with_(spring_stiffness=FIRM * case.part(Terrain).spring_stiffness)
+    contact = case.part(PairContact)
     contact = contact.with_(stiffness=FIRM * contact.stiffness)
     return cases | {
         FIRM_SPRINGS: case.with_(name=FIRM_SPRINGS, terrain=springs),

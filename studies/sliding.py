@@ -14,6 +14,8 @@ import scipy.linalg
 from threadpoolctl import threadpool_limits
 
 from exudyn_crawler import Case, History
+from exudyn_crawler.case.parameters.contact import PairContact
+from exudyn_crawler.case.parameters.terrain import Terrain
 from exudyn_crawler.case.parameters.track import SIDES
 from exudyn_crawler.engine.formulation import track_system
 from exudyn_crawler.errors import EquilibriumError
@@ -95,18 +97,18 @@ def check_sliding(case: Case, speed: float) -> None:
     """Raise `ValueError` for a case or a speed without steady sliding."""
     if not (np.isfinite(speed) and speed > 0.0):
         raise ValueError(f"speed must be positive and finite, got {speed!r} m/s")
-    case.pair_contact()
+    case.part(PairContact)
     if case.gear.shoes_stand:
         raise ValueError(
             f"gear.kind must not be {case.gear.kind!r}: shoes that a side frame rolls over do not slide"
         )
     if case.terrain.side_slope != 0.0:
         raise ValueError("terrain.side_slope must be 0: a track that slides slips down a side slope, too")
-    if not case.unit_terrain().is_even:
+    if not case.part(Terrain).is_even:
         raise ValueError("terrain.relief must be level: a track has no steady state over hills")
     if case.drive.turn_rate is not None:
         raise ValueError("drive.turn_rate must be None: a track that turns has no steady state")
-    if case.unit_terrain().tilt == "roll":
+    if case.part(Terrain).tilt == "roll":
         raise ValueError("terrain.tilt must be 'pitch': units that roll push a track off their middle aside")
 
 

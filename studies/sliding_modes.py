@@ -13,6 +13,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from exudyn_crawler import Case, LoadCycle, PairContact, simulate
+from exudyn_crawler.case.parameters.terrain import Terrain
 from exudyn_crawler.errors import EquilibriumError
 from exudyn_crawler.views.style import save_figure, titled_figure
 from exudyn_crawler.views.tables import write_table
@@ -65,7 +66,7 @@ def _dataset(state: SteadySliding, values: np.ndarray, shapes: np.ndarray) -> xr
     units = [motion_of(s.real) + 1j * motion_of(s.imag) for s in ground]
     # a motion that nothing drives back, such as that across the path, has no damping ratio
     size = np.where(np.abs(values) > STILL * np.abs(values).max(), np.abs(values), np.nan)
-    numbers = {"mode": np.arange(1, len(values) + 1), "unit": case.unit_terrain().units}
+    numbers = {"mode": np.arange(1, len(values) + 1), "unit": case.part(Terrain).units}
     numbers |= {"shoe": case.track.shoes, "joint": case.track.joints}
     return xr.Dataset(
         {
@@ -156,7 +157,7 @@ def even_ground(stiffness: float = 1e11) -> Case:
     (_, length), (_, width) = case.terrain.bounds
     sides = {"columns": 1, "rows": 1, "unit_length": length, "unit_width": width}
     springs = {"spring_stiffness": stiffness, "spring_damping": 0.01 * stiffness, "spring_offset": 20.0}
-    return case.with_(name="even", terrain=case.unit_terrain().with_(**sides, **springs))
+    return case.with_(name="even", terrain=case.part(Terrain).with_(**sides, **springs))
 
 
 def grounds() -> dict[str, Case]:
@@ -170,13 +171,13 @@ def grounds() -> dict[str, Case]:
 
 def with_law(case: Case, **factors: float) -> Case:
     """Return the case with some parameters of its contact law times factors."""
-    law = case.pair_contact()
+    law = case.part(PairContact)
     return case.with_(contact=law.with_(**{name: f * getattr(law, name) for name, f in factors.items()}))
 
 
 def with_friction(case: Case, static: float, dynamic: float) -> Case:
     """Return the case with other coefficients of friction."""
-    return case.with_(contact=case.pair_contact().with_(static_friction=static, dynamic_friction=dynamic))
+    return case.with_(contact=case.part(PairContact).with_(static_friction=static, dynamic_friction=dynamic))
 
 
 def with_shoes(case: Case, count: int) -> Case:

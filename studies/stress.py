@@ -17,6 +17,7 @@ import pandas as pd
 import xarray as xr
 
 from exudyn_crawler import Case, CaseFile, FlexibleShoes
+from exudyn_crawler.case.parameters.contact import PairContact
 from exudyn_crawler.case.parameters.track import ADAMS_DAMPING
 from exudyn_crawler.case_run import CaseRun
 from exudyn_crawler.machines import Outputs
@@ -41,7 +42,7 @@ def flexible_quantity(history: History, quantity: str) -> xr.DataArray:
 
     Raises `ValueError` for another quantity.
     """
-    shoes = list(history.case.flexible_shoes().shoes)
+    shoes = list(history.case.part(FlexibleShoes).shoes)
     if quantity == "total terrain deformation from equilibrium":
         return history.terrain_deformation
     if quantity == "revolute joint torque x and z":
@@ -153,8 +154,8 @@ def open_choices(duration: float = 8.0, mesh: str = "coarse", progress: bool | N
     Columns case, quantity, statistic, unit, paper, and the choices. Part of the propel suffices for trends.
     """
     case = Case.stress(mesh)
-    flexible = case.flexible_shoes()
-    contact = case.pair_contact()
+    flexible = case.part(FlexibleShoes)
+    contact = case.part(PairContact)
     choices = {
         "default": case,
         "ADAMS' modal damping": case.with_(flexible=flexible.with_(damping=ADAMS_DAMPING)),

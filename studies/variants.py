@@ -19,13 +19,13 @@ Change = Callable[[Case], Case]
 
 VARIANTS: Mapping[str, Change] = {
     "default": lambda case: case,
-    "closest points": lambda case: case.with_(contact=case.pair_contact().with_(penetration="closest")),
+    "closest points": lambda case: case.with_(contact=case.part(PairContact).with_(penetration="closest")),
     "face normal": lambda case: case.with_(contact=PairContact.oil_sand()),
     "no fingers": lambda case: case.with_(shoe=Shoe.ph4100c()),
     "units pitch": pitching,
     "uneven shoe": lambda case: case.with_(shoe=Shoe.uneven()),
     "uneven shoe, closest points": lambda case: case.with_(
-        shoe=Shoe.uneven(), contact=case.pair_contact().with_(penetration="closest")
+        shoe=Shoe.uneven(), contact=case.part(PairContact).with_(penetration="closest")
     ),
 }
 """Changes of the rigid studies' cases, by name."""

@@ -4,6 +4,7 @@ import pandas as pd
 import xarray as xr
 
 from exudyn_crawler import Case, Drive, FatigueMaterial, History, LoadCycle, StepProfile, simulate
+from exudyn_crawler.case.parameters.track import FlexibleShoes
 from exudyn_crawler.results.stress.recovery import recover_stresses
 
 WEAK = FatigueMaterial.a36().with_(fatigue_strength=90e6)
@@ -18,14 +19,14 @@ def short_run(
     case = case.with_(
         drive=Drive(speed=StepProfile(times=(0.0, 0.5 * duration), values=(0.0, top_speed))),
         loads=LoadCycle.propel(),
-        flexible=case.flexible_shoes().with_(shoes=shoes),
+        flexible=case.part(FlexibleShoes).with_(shoes=shoes),
     )
     return simulate(case, duration)
 
 
 def by_modes_alone(history: History) -> History:
     """The same history, whose stresses have no static fields."""
-    flexible = history.case.flexible_shoes().with_(static_fields=False)
+    flexible = history.case.part(FlexibleShoes).with_(static_fields=False)
     return History(history.case.with_(flexible=flexible), history.dataset)
 
 

@@ -18,6 +18,7 @@ import pytest
 import tomlkit
 
 from exudyn_crawler import Case, History, cli
+from exudyn_crawler.case.parameters.contact import PairContact
 from exudyn_crawler.cli import application, commands
 from exudyn_crawler.machines import CaseFile, read_case
 from exudyn_crawler.machines.datasheet.sheet import Datasheet
@@ -251,7 +252,7 @@ def test_info_marks_what_differs_from_the_base(told, tmp_path):
     assert "values differ from the case 'turning'" in out
     row = next(line for line in out.splitlines() if "contact.static_friction" in line)
     assert "0.55" in row
-    assert str(Case.turning().pair_contact().static_friction) in row
+    assert str(Case.turning().part(PairContact).static_friction) in row
 
 
 @pytest.mark.slow

@@ -16,6 +16,7 @@ from exudyn_crawler.assessment.settings import AssessmentSettings
 from exudyn_crawler.assessment.stability import Edges
 from exudyn_crawler.assessment.utilisation import PartStrength, PinnedHinge, RollerTread, chain_strength
 from exudyn_crawler.case import Case, CellContact, Machine, PairContact
+from exudyn_crawler.case.gear.running_gear import RunningGear
 from exudyn_crawler.ground.cells.laws.bekker import BekkerSoil
 from exudyn_crawler.origins import Ruled
 from meshes.geometry import PITCH, ShoeDimensions
@@ -409,7 +410,7 @@ def _of_case(case: Case) -> tuple[str, dict[str, Ruled]]:
             cohesion = Ruled(law.cohesion, "contact.law.cohesion")
         else:
             friction = Ruled(float(law.friction), "contact.law.friction")
-    rolling = Ruled(case.running_gear().rolling_resistance, "gear.rolling_resistance")
+    rolling = Ruled(case.part(RunningGear).rolling_resistance, "gear.rolling_resistance")
     return name, {"friction": friction, "rolling": rolling, "cohesion": cohesion}
 
 

@@ -6,7 +6,9 @@ import numpy as np
 
 from exudyn_crawler.case import outline
 from exudyn_crawler.case.gear.assembled import Assembled
+from exudyn_crawler.case.gear.closed import Closed
 from exudyn_crawler.case.gear.dragged import Dragged
+from exudyn_crawler.case.gear.running_gear import RunningGear
 from exudyn_crawler.case.named import NamedCases
 from exudyn_crawler.case.parameters import sizes
 from exudyn_crawler.case.parameters.car_body import Part
@@ -96,13 +98,13 @@ class Case(NamedCases):
         # of the most loaded shoe at its most loaded time on linear spheres
         load = max(max(phase.loads) for phase in self.loads.phases)
         depth = self.settled_penetration * float(self.pressed(load)) / self.mean_load
-        terrain = self.unit_terrain()
+        terrain = self.part(Terrain)
         yield from contact.size_errors(depth, min(terrain.unit_length, terrain.unit_width))
 
     @property
     def assembled(self) -> Assembled:
         """Where the chain of a closed track starts; raises `ValueError` if the track is open."""
-        return self.closed_gear().assembled(self.shoe, self.track)
+        return self.part(Closed).assembled(self.shoe, self.track)
 
     @property
     def tracks(self) -> int:
@@ -140,17 +142,17 @@ class Case(NamedCases):
     @property
     def frame_start(self) -> np.ndarray:
         """Origin of the side frame, or the machine, at t = 0, on rails that have not settled: (3,), m."""
-        return self.running_gear().frame_start(self.shoe, self.track)
+        return self.part(RunningGear).frame_start(self.shoe, self.track)
 
     @property
     def tumbler_reference(self) -> np.ndarray:
         """Centres of the tumblers (m, global) and their angles (rad) at t = 0: array (tracks, 6)."""
-        return self.closed_gear().tumbler_reference(self.shoe, self.track)
+        return self.part(Closed).tumbler_reference(self.shoe, self.track)
 
     @property
     def idler_reference(self) -> np.ndarray:
         """Centres of the idlers (m, global) and their angles (rad) at t = 0: array (tracks, 6)."""
-        return self.closed_gear().idler_reference(self.shoe, self.track)
+        return self.part(Closed).idler_reference(self.shoe, self.track)
 
     def of_track(self, side: str) -> "Case":
         """One of two closed tracks, "right" or "left", with its own side frame and without a turn."""
@@ -223,7 +225,7 @@ class Case(NamedCases):
     @property
     def sphere_stiffness(self) -> float:
         """Stiffness of one sphere, N/m: all of a shoe carry the mean load at the settled penetration."""
-        return self.mean_load / self.settled_penetration / self.sphere_contact().count
+        return self.mean_load / self.settled_penetration / self.part(SphereContact).count
 
     def outline(self, time: float) -> np.ndarray:
         """Corners of the track on the ground at a time (s), see `outlines`: array (4, 2), m."""

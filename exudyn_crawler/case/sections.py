@@ -1,16 +1,12 @@
 """Sections of a case: what a case file holds, by its keys."""
 
-from collections.abc import Callable
 from typing import Annotated, Literal, TypeVar
 
 from pydantic import Field
 
 from exudyn_crawler.case import ph4100c
 from exudyn_crawler.case.gear import AnyGear
-from exudyn_crawler.case.gear.closed import Closed
 from exudyn_crawler.case.gear.dragged import Dragged
-from exudyn_crawler.case.gear.rolled import Rolled
-from exudyn_crawler.case.gear.running_gear import RunningGear
 from exudyn_crawler.case.parameters.contact import PairContact, SphereContact
 from exudyn_crawler.case.parameters.drive import Drive, Solver
 from exudyn_crawler.case.parameters.loads import LoadCycle
@@ -26,24 +22,6 @@ Contact = Annotated[PairContact | SphereContact | CellContact, Field(discriminat
 
 
 Model = TypeVar("Model", bound=Parameters)
-
-
-def _part(name: str, kind: type[Model]) -> Callable[["Sections"], Model]:
-    """Method of a case that gives its part of this name, which has to be of a class."""
-
-    def part(case: "Sections") -> Model:
-        """Part of the case; a ValueError if it has none, or one of another class."""
-        value = getattr(case, name)
-        if isinstance(value, kind):
-            return value
-        if value is None:
-            raise ValueError(f"{name} must be given, got {case.name!r} without it")
-        held = fields.models_of(Sections.model_fields[name].annotation)
-        tags = " or ".join(repr(fields.tag_of(model)) for model in held if issubclass(model, kind))
-        tag = fields.tag_field(type(value))
-        raise ValueError(f"{name}.{tag} must be {tags}, got {getattr(value, tag)!r}")
-
-    return part
 
 
 class Sections(Parameters):
@@ -74,12 +52,16 @@ class Sections(Parameters):
         "force and moment of the machine on the side frame; none: its weight alone", None
     )
 
-    flexible_shoes = _part("flexible", FlexibleShoes)
-    running_gear = _part("gear", RunningGear)
-    rolled_gear = _part("gear", Rolled)
-    closed_gear = _part("gear", Closed)
-    unit_terrain = _part("terrain", Terrain)
-    cell_terrain = _part("terrain", CellTerrain)
-    cell_contact = _part("contact", CellContact)
-    pair_contact = _part("contact", PairContact)
-    sphere_contact = _part("contact", SphereContact)
+    def part(self, kind: type[Model]) -> Model:
+        """Return the part of the case that is of a class; ValueError if the case has none of it."""
+        names = type(self).model_fields
+        for value in (getattr(self, name) for name in names):
+            if isinstance(value, kind):
+                return value
+        held = {name: fields.models_of(field.annotation) for name, field in names.items()}
+        name = next(name for name, classes in held.items() if any(issubclass(one, kind) for one in classes))
+        if (value := getattr(self, name)) is None:
+            raise ValueError(f"{name} must be given, got {self.name!r} without it")
+        tags = " or ".join(repr(fields.tag_of(one)) for one in held[name] if issubclass(one, kind))
+        tag = fields.tag_field(type(value))
+        raise ValueError(f"{name}.{tag} must be {tags}, got {getattr(value, tag)!r}")

@@ -5,6 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from exudyn_crawler.case import Case
+from exudyn_crawler.case.parameters.terrain import Terrain
 from exudyn_crawler.engine.euler_parameters import UNTURNED
 from exudyn_crawler.ground.terrain import terrain_joints
 from exudyn_crawler.model.exudyn import RigidBodyInertia, add_coordinates, exu, generic_node, items, sparse
@@ -131,7 +132,7 @@ def add_units(mbs: "exu.MainSystem", case: Case) -> list[int]:
 
     Units only tilt, so that angles are sufficient as coordinates.
     """
-    terrain = case.unit_terrain()
+    terrain = case.part(Terrain)
     ground = mbs.CreateGround()
     axes = np.eye(3)
     tilt = terrain.tilt_axis

@@ -5,6 +5,7 @@ from contextlib import suppress
 import numpy as np
 
 from exudyn_crawler.case import Case
+from exudyn_crawler.case.parameters.contact import SphereContact
 from exudyn_crawler.engine.system import ExudynSystem
 from exudyn_crawler.errors import EquilibriumError
 from exudyn_crawler.ground import sphere_contact
@@ -43,14 +44,14 @@ def exudyn_rest(case: Case) -> np.ndarray:
         if case.contact.model != "spheres" or not case.terrain.is_even:
             raise
         raise EquilibriumError(
-            f"{error}. The spheres' radius of {case.sphere_contact().radius} m may "
+            f"{error}. The spheres' radius of {case.part(SphereContact).radius} m may "
             f"be too small for a settled penetration of {case.settled_penetration:.4g} m."
         ) from error
     contact = system.contact
     if isinstance(contact, sphere_contact.SphereGroundContact) and (sunken := contact.sunken(q)):
         raise EquilibriumError(
             f"no static equilibrium of case {case.name!r} was found: spheres of shoes {sunken} sink through "
-            f"the ground; they need a contact.radius greater than {case.sphere_contact().radius} m, or "
+            f"the ground; they need a contact.radius greater than {case.part(SphereContact).radius} m, or "
             "flatter ground"
         )
     return q

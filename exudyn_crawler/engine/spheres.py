@@ -3,6 +3,8 @@
 import numpy as np
 
 from exudyn_crawler.case import Case
+from exudyn_crawler.case.parameters.contact import SphereContact
+from exudyn_crawler.case.parameters.terrain import Terrain
 from exudyn_crawler.ground import sphere_contact
 from exudyn_crawler.model.exudyn import exu, items
 
@@ -17,11 +19,11 @@ def add_spheres(
 ) -> "exu.GeneralContact":
     """Add spheres on the bodies of a case's shoes, and faces of its units, two triangles each.
 
-    Damping and friction are those of `case.sphere_contact()`, the stiffness is `case.sphere_stiffness`.
+    Damping and friction are those of `case.part(SphereContact)`, the stiffness is `case.sphere_stiffness`.
     `static` omits friction: there is none at rest, and the track would creep on the way to it.
     """
-    spheres = case.sphere_contact()
-    terrain = case.unit_terrain()
+    spheres = case.part(SphereContact)
+    terrain = case.part(Terrain)
     contact = mbs.AddGeneralContact()
     contact.frictionProportionalZone = spheres.friction_speed
     contact.SetFrictionPairings(np.array([[NO_FRICTION if static else max(spheres.friction, NO_FRICTION)]]))

@@ -170,5 +170,5 @@ def ground_contact(
     coordinates = terrain_coordinates(case)
     if isinstance(coordinates, UnitCoordinates) and case.contact.model == "spheres":
         return sphere_contact.SphereGroundContact(case, coordinates)
-    of_case = case.shoe_reference, case.shoe, case.unit_terrain(), case.pair_contact()
+    of_case = case.shoe_reference, case.shoe, case.part(Terrain), case.part(PairContact)
     return PairGroundContact(*of_case, coordinates, underside, flexible_shoes)

@@ -9,6 +9,7 @@ import math
 import numpy as np
 
 from exudyn_crawler.case import Case, Terrain
+from exudyn_crawler.case.parameters.contact import SphereContact
 from exudyn_crawler.ground.pairs import RESULT, RESULTS
 from exudyn_crawler.ground.rotations import angular_velocity, rotation_matrices
 from exudyn_crawler.ground.terrain import TerrainCoordinates, UnitCoordinates, grid_of
@@ -19,7 +20,7 @@ def sphere_centers(case: Case) -> np.ndarray:
 
     The spheres touch it from within.
     """
-    spheres = case.sphere_contact()
+    spheres = case.part(SphereContact)
     low_x, high_x, low_y, high_y, z = case.shoe.footprint
     x = low_x + (high_x - low_x) * (np.arange(spheres.spheres_x) + 0.5) / spheres.spheres_x
     y = low_y + (high_y - low_y) * (np.arange(spheres.spheres_y) + 0.5) / spheres.spheres_y
@@ -33,8 +34,8 @@ def face_inset(case: Case) -> tuple[float, float]:
     A sphere over the seam of two whole faces touches the edges of both and is pushed twice as hard. Drawn
     back by this much, both together push a sphere at the settled depth there as hard as one face does.
     """
-    spheres = case.sphere_contact()
-    terrain = case.unit_terrain()
+    spheres = case.part(SphereContact)
+    terrain = case.part(Terrain)
     if spheres.faces == "whole":
         return 0.0, 0.0
     radius = spheres.radius
@@ -51,13 +52,13 @@ class SphereGroundContact:
     def __init__(self, case: Case, coordinates: UnitCoordinates) -> None:
         self.coordinates: TerrainCoordinates = coordinates
         coms = case.track.com_positions(case.shoe.com_height)
-        terrain: Terrain = case.unit_terrain()
+        terrain: Terrain = case.part(Terrain)
         self.shoe_reference = np.hstack((coms, np.zeros((len(coms), 3))))
         self.unit_reference = np.hstack((terrain.even_centers, np.zeros((terrain.unit_count, 1))))
         self._case, self._terrain, self._grid = case, terrain, grid_of(terrain)
         self._tops = 0.5 * terrain.unit_height + terrain.top_heights
         self._tilts = terrain.tilts
-        self._centers, self._radius = sphere_centers(case), case.sphere_contact().radius
+        self._centers, self._radius = sphere_centers(case), case.part(SphereContact).radius
         self.size = self.shoe_reference.size + coordinates.size  # six coordinates a shoe, then the units'
 
     def _shoes(self, q: np.ndarray) -> np.ndarray:

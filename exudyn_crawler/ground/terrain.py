@@ -260,12 +260,12 @@ def units_near(terrain: Terrain, corners: np.ndarray, margin: float) -> np.ndarr
 
 def reduced_coordinates(case: Case) -> TerrainModes:
     """Independent coordinates of a case's terrain, of which the track moves as few as possible."""
-    terrain = case.unit_terrain()
+    terrain = case.part(Terrain)
     return localized(terrain_modes(terrain), units_near(terrain, case.outline(0.0), REACH))
 
 
 def terrain_coordinates(case: Case) -> TerrainCoordinates:
     """Coordinates of a case's terrain; Exudyn's contact of spheres needs the units as bodies."""
     if case.terrain_formulation == "constrained" or case.contact.model == "spheres":
-        return UnitCoordinates(case.unit_terrain().unit_count, case.unit_terrain().tilt_axis)
+        return UnitCoordinates(case.part(Terrain).unit_count, case.part(Terrain).tilt_axis)
     return reduced_coordinates(case)

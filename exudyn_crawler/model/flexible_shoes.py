@@ -84,7 +84,7 @@ def factors_held(case: Case) -> Iterator[None]:
 
     Behind it a run needs neither them nor the matrices.
     """
-    body, interfaces = shoe_model(case.flexible_shoes(), case.track)
+    body, interfaces = shoe_model(case.part(FlexibleShoes), case.track)
     held = partition(body, interfaces)
     try:
         yield
@@ -118,7 +118,7 @@ def _reduction(
 
 def check_shoe(case: Case) -> None:
     """Refuse a mesh of the flexible shoes that does not fit the track, its shoes or the machine's memory."""
-    flexible = case.flexible_shoes()
+    flexible = case.part(FlexibleShoes)
     body, _ = shoe_model(flexible, case.track)
     rails = case.shoe.rails if case.gear.wheel_names else None
     shoe_mesh.check_fit(body.mesh, flexible.mesh, case.shoe, rails)
@@ -131,7 +131,7 @@ def whole_reduction(case: Case) -> fem.CachedReduction:
     along x on the node that the drive pulls joins them, if there is one: no fixed-interface mode knows of a
     force on a single node. Errors are those of `shoe_model`.
     """
-    flexible = case.flexible_shoes()
+    flexible = case.part(FlexibleShoes)
     body, _ = shoe_model(flexible, case.track)
     loaded = flexible.load_surface if flexible.load_mode else None
     node = shoe_mesh.pulled_node(case, body.mesh)
@@ -165,7 +165,7 @@ def floating_shoe(case: Case) -> FloatingShoe:
     Errors are those of `check_shoe` and `integrated_in`.
     """
     check_shoe(case)
-    flexible = case.flexible_shoes()
+    flexible = case.part(FlexibleShoes)
     body = whole_reduction(case).body
     return _floating_shoe(flexible, tuple(case.shoe.footprint.tolist()), integrated_in(flexible, body).body)
 

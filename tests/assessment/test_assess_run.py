@@ -13,7 +13,7 @@ from exudyn_crawler.assessment.inputs import numbers_of
 from exudyn_crawler.assessment.settings import AssessmentSettings
 from exudyn_crawler.assessment.shoe import check_of, shoe_stresses
 from exudyn_crawler.case import Drive, Heights, Ridge, Track
-from exudyn_crawler.case.parameters.track import SIDES
+from exudyn_crawler.case.parameters.track import SIDES, FlexibleShoes
 from exudyn_crawler.errors import ImplausibleWarning
 from exudyn_crawler.ground.cells.laws.rock import RockFloor
 from exudyn_crawler.machines.datasheet import library
@@ -367,7 +367,7 @@ def test_a_shoe_is_checked_by_its_mesh_or_not_at_all():
     settings = AssessmentSettings()
     assert check_of(case, settings, ready_shoe=True).mesh == "coarse"
     assert check_of(case, settings, ready_shoe=False) is None
-    own = case.with_(flexible=Case.stress("study").flexible_shoes().with_(shoes=(3,)))
+    own = case.with_(flexible=Case.stress("study").part(FlexibleShoes).with_(shoes=(3,)))
     check = check_of(own, settings, ready_shoe=False)
     assert (check.mesh, check.track) == ("study", case.loop)
     assert check.roller_radius == case.gear.roller_radius

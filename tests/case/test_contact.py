@@ -25,12 +25,12 @@ def test_spheres_carry_the_mean_load_at_the_pair_laws_depth():
 
 
 def test_each_model_is_had_where_it_is_the_case_s():
-    assert CASE.sphere_contact() == SPHERES
-    assert Case.translation().pair_contact() == PairContact.adams()
+    assert CASE.part(SphereContact) == SPHERES
+    assert Case.translation().part(PairContact) == PairContact.adams()
     with pytest.raises(ValueError, match=r"contact\.model must be 'pair', got 'spheres'"):
-        CASE.pair_contact()
+        CASE.part(PairContact)
     with pytest.raises(ValueError, match=r"contact\.model must be 'spheres', got 'pair'"):
-        Case.translation().sphere_contact()
+        Case.translation().part(SphereContact)
 
 
 LIGHT = Phase(name="propel", end=1, loads=[386.4e3] * 13)

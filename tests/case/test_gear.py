@@ -90,9 +90,9 @@ def test_a_changed_value_of_an_older_key_is_refused(read):
 
 def test_what_a_case_does_not_have_is_refused_by_its_kind():
     with pytest.raises(ValueError, match=r"gear\.kind must be 'closed' or 'machine', got 'rolled'"):
-        KINDS["rolled"].closed_gear()
+        KINDS["rolled"].part(Closed)
     with pytest.raises(ValueError, match=r"gear\.kind must be 'rolled', got 'machine'"):
-        KINDS["machine"].rolled_gear()
+        KINDS["machine"].part(Rolled)
     with pytest.raises(ParameterError, match=r"machine must be None with gear\.kind 'dragged'"):
         KINDS["dragged"].with_(machine=MachineCycle.shovel())
 

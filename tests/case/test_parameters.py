@@ -275,9 +275,9 @@ def test_a_drive_tells_when_it_is_on():
 
 
 def test_flexible_shoes_are_had_where_there_are_some():
-    assert Case.stress().flexible_shoes().shoes == (6, 7, 8, 11, 12, 13)
+    assert Case.stress().part(FlexibleShoes).shoes == (6, 7, 8, 11, 12, 13)
     with pytest.raises(ValueError, match="flexible must be given, got 'turning' without it"):
-        Case.turning().flexible_shoes()
+        Case.turning().part(FlexibleShoes)
 
 
 def test_a_drive_off_the_terrain_is_refused_before_anything_runs():

@@ -43,7 +43,7 @@ def history():
 
 
 def test_neither_factors_nor_matrices_outlive_the_reduction():
-    body, interfaces = shoe_model(track().flexible_shoes(), track().track)
+    body, interfaces = shoe_model(track().part(FlexibleShoes), track().track)
     with factors_held(track()):
         held = weakref.ref(partition(body, interfaces))
         assert held() is not None

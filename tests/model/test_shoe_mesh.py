@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from exudyn_crawler import Case, CaseFile, Shoe, run_case
+from exudyn_crawler.case.parameters.track import FlexibleShoes
 from exudyn_crawler.model.flexible_shoes import check_shoe
 from fem import Mesh, write_mesh
 from meshes import shoe_mesh, shoe_path
@@ -17,7 +18,7 @@ def of_mesh(folder, mesh):
     """The stress study's case with another mesh as a file."""
     path = folder / "shoe.msh"
     write_mesh(path, mesh)
-    return CASE.with_(flexible=CASE.flexible_shoes().with_(mesh=str(path)))
+    return CASE.with_(flexible=CASE.part(FlexibleShoes).with_(mesh=str(path)))
 
 
 def changed(nodes=MESH.nodes, leave_out=""):

@@ -7,6 +7,8 @@ import pytest
 
 from exudyn_crawler import History, simulate
 from exudyn_crawler.case.gear.base import WheelLabel
+from exudyn_crawler.case.gear.running_gear import RunningGear
+from exudyn_crawler.case.parameters.track import FlexibleShoes
 from exudyn_crawler.ground.rotations import rotation_matrices
 from exudyn_crawler.model.compiled_system import compiled_system
 from exudyn_crawler.model.shoe_mesh import cubic_weights, pulled_node, rail_rows, station_spacing
@@ -164,7 +166,7 @@ def test_modes_feel_the_ground_as_in_the_equations(turns):
     places[:, 2], places[:, 3:] = -0.03, turns
     history = system_history(system, row_of(layout, {"coordinates": q})[None])
     forces = contact.forces(q[: contact.size], np.zeros(contact.size))
-    flexible = history.case.flexible_shoes().shoes
+    flexible = history.case.part(FlexibleShoes).shoes
     modal = forces[-len(flexible) * layout.modes :].reshape(len(flexible), -1)
     units = unit_loads(history.case)
     for shoe, expected in zip(flexible, modal, strict=True):
@@ -197,7 +199,7 @@ def test_a_force_anywhere_on_a_rail_moves_modes_as_in_the_equations():
     units, rails = unit_loads(case), case.shoe.rails
     x = np.linspace(rails.rear, rails.front, 41)
     force = np.random.default_rng(3).standard_normal((41, 3))
-    for line, rows in enumerate(rail_rows(units.whole, case.running_gear(), rails)):
+    for line, rows in enumerate(rail_rows(units.whole, case.part(RunningGear), rails)):
         at = cubic_weights((x - rails.rear) / station_spacing(rails)) @ rows.reshape(len(rows), -1)
         expected = np.einsum("tc,tcm->tm", force, at.reshape(41, 3, -1))
         zero, place = np.zeros((41, 3)), OnTread(WheelLabel("roller", 1), "right")

@@ -11,6 +11,7 @@ import pytest
 import xarray as xr
 
 from exudyn_crawler import History
+from exudyn_crawler.case.parameters.track import FlexibleShoes
 from exudyn_crawler.ground.rotations import rotation_matrices
 from exudyn_crawler.model.flexible_shoes import shoe_model, whole_reduction
 from exudyn_crawler.results.life.life import life_of
@@ -102,7 +103,7 @@ def consistent_nodal(history, shoe):
 
 def test_stress_is_that_of_the_full_static_answer(history, modes_alone, basis):
     case = history.case
-    body, interfaces = shoe_model(case.flexible_shoes(), case.track)
+    body, interfaces = shoe_model(case.part(FlexibleShoes), case.track)
     partition, alone = Partition(body, interfaces), stress_basis(modes_alone)
     for shoe in (7, 13):
         nodal = consistent_nodal(history, shoe).reshape(-1, 1)
@@ -144,7 +145,7 @@ def test_results_and_single_nodes_have_the_same_fields(history, modes_alone, fle
 @pytest.mark.slow
 def test_a_force_at_a_station_of_a_rail_has_its_full_static_answer():
     case = small_flexible_case()
-    body, interfaces = shoe_model(case.flexible_shoes(), case.track)
+    body, interfaces = shoe_model(case.part(FlexibleShoes), case.track)
     whole, static = whole_reduction(case).body, static_loads(case)
     stations = rail_stations(body.mesh)
     force = np.array([[0.1e6, 0.05e6, -1e6]])
@@ -261,7 +262,7 @@ def test_without_static_fields_the_modes_alone_answer(modes_alone):
 
 
 def test_a_history_without_its_mesh_is_named(history, tmp_path):
-    flexible = history.case.flexible_shoes().with_(mesh=str(tmp_path / "gone.msh"))
+    flexible = history.case.part(FlexibleShoes).with_(mesh=str(tmp_path / "gone.msh"))
     moved = History(history.case.with_(flexible=flexible), history.dataset).save(tmp_path / "moved.nc")
     with pytest.raises(FileNotFoundError, match="no mesh file"):
         node_stress(moved, 13, node=0)

@@ -4,6 +4,7 @@ from pathlib import Path
 
 import pytest
 
+from exudyn_crawler.case.parameters.track import FlexibleShoes
 from exudyn_crawler.views.tables import cell_text
 from studies import closed, commands
 from tests.test_terminal import check_tables
@@ -44,7 +45,7 @@ def test_one_track_stands_in_a_turn_about_it_and_both_go_against_each_other_on_t
 
 
 def test_a_shoe_may_be_flexible():
-    assert closed.study_cases(flexible=7)[closed.CLOSED].case.flexible_shoes().shoes == (7,)
+    assert closed.study_cases(flexible=7)[closed.CLOSED].case.part(FlexibleShoes).shoes == (7,)
     assert closed.study_cases()[closed.CLOSED].case.flexible is None
 
 

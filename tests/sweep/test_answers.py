@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from exudyn_crawler import Case, CaseFile, Duty
+from exudyn_crawler.case.parameters.track import FlexibleShoes
 from exudyn_crawler.case_run import CaseRun
 from exudyn_crawler.results.history.catalogue import QUANTITIES
 from exudyn_crawler.results.life.duty import DutyRun
@@ -131,7 +132,7 @@ def test_answers_that_the_runs_cannot_give_are_refused(case, answer, told):
 
 
 def test_answers_of_flexible_shoes_are_those_of_the_case():
-    flexible = STRESS.case.flexible_shoes().shoes
+    flexible = STRESS.case.part(FlexibleShoes).shoes
     Answer(quantity="pin_force", of=(flexible[0],)).check(STRESS)
     HotSpot(shoe=flexible[-1]).check(STRESS)
     Life(material=WEAK, region="roller path").check(STRESS)

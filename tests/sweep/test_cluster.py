@@ -21,6 +21,7 @@ from distributed import Client, LocalCluster, get_client
 
 from docs.rooms import ROOT
 from exudyn_crawler import Case, CaseFile
+from exudyn_crawler.case.parameters.track import FlexibleShoes
 from exudyn_crawler.model.reductions import VARIABLE
 from exudyn_crawler.sweep import cluster
 from exudyn_crawler.sweep.answers import Answer, HotSpot
@@ -426,7 +427,7 @@ def test_the_scheduler_holds_few_tasks_at_a_time(scheduler, tmp_path, monkeypatc
 def test_workers_reduce_a_shoe_once_for_all_grounds(tmp_path, monkeypatch):
     monkeypatch.setenv(VARIABLE, str(tmp_path / "cache"))
     base = Case.stress("coarse")
-    case = base.with_(flexible=base.flexible_shoes().with_(shoes=(13,)))
+    case = base.with_(flexible=base.part(FlexibleShoes).with_(shoes=(13,)))
     sweep = Sweep(
         case=CaseFile(case=case, duration=0.02),
         vary=(Vary(key=STIFFNESS, values=(1e7, 2e7, 4e7)),),

@@ -45,7 +45,7 @@ def test_a_digest_is_that_of_the_mesh_too(tmp_path):
     mesh = tmp_path / "own.msh"
     mesh.write_text("first")
     base = Case.stress("coarse")
-    flexible = base.flexible_shoes().with_(mesh=str(mesh))
+    flexible = base.part(FlexibleShoes).with_(mesh=str(mesh))
     case = CaseFile(case=base.with_(flexible=flexible), duration=0.1)
     before = run_digest(case)
     assert run_digest(case) == before

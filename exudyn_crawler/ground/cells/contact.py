@@ -5,6 +5,7 @@ from typing import cast
 import numpy as np
 
 from exudyn_crawler.case import Case
+from exudyn_crawler.case.parameters.terrain import CellContact, CellTerrain
 from exudyn_crawler.ground import pairs
 from exudyn_crawler.ground.cells.ground import CellGround
 from exudyn_crawler.ground.cells.law import CellLaw
@@ -29,7 +30,7 @@ class CellGroundContact:
     """
 
     def __init__(self, case: Case) -> None:
-        terrain = case.cell_terrain()
+        terrain = case.part(CellTerrain)
         shoe = case.shoe
         none = np.zeros((0, 0))
         coms = case.shoe_reference
@@ -37,7 +38,7 @@ class CellGroundContact:
         corners = np.array([[x0, y0, z], [x1, y0, z], [x1, y1, z], [x0, y1, z]])
         self.coordinates: TerrainCoordinates = TerrainModes(none, none, none, none, np.zeros(0), 1)
         self.shoe_reference = coms
-        law = cast(CellLaw, case.cell_contact().law)
+        law = cast(CellLaw, case.part(CellContact).law)
         bending = [] if case.flexible is None else [number - 1 for number in case.flexible.shoes]
         parts = shoe.ground_share, shoe.ground_breadth
         self.ground = CellGround(law, terrain.relief, terrain.cell, corners, len(coms), bending, *parts)
@@ -69,7 +70,7 @@ class CellGroundContact:
         x0, x1 = places.min(), places.max()
         along = np.arange(x0 - shoe.length, x1 + shoe.length, self.ground.tiles.cell)
         across = self._middle + np.linspace(-0.5, 0.5, ACROSS) * shoe.width
-        heights = self._case.cell_terrain().surface(*np.meshgrid(along, across)).max(axis=0)
+        heights = self._case.part(CellTerrain).surface(*np.meshgrid(along, across)).max(axis=0)
         # beyond the chain's ends a measured map may end
         known = np.isfinite(heights)
         along = along[known]

@@ -8,6 +8,7 @@ from functools import lru_cache
 
 from exudyn_crawler.case import ph4100c
 from exudyn_crawler.case.case import Case
+from exudyn_crawler.case.gear.closed import Closed
 from exudyn_crawler.case.parameters.loads import LoadCycle
 from exudyn_crawler.errors import ParameterError
 from exudyn_crawler.machines.datasheet import (
@@ -89,7 +90,7 @@ def _derived(printed: Datasheet) -> Derived:
 
 def _followed(sheet: Datasheet, case: Case) -> dict[str, float]:
     """Return figures of the case, printed or not, by their names."""
-    machine = case.closed_gear()
+    machine = case.part(Closed)
     recoil = machine.idler.recoil
     return {
         "gauge": sheet.track_gauge,

@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from exudyn_crawler.case.case import Case
+from exudyn_crawler.case.gear.closed import Closed
 from exudyn_crawler.machines.datasheet import rules
 from exudyn_crawler.machines.datasheet.derive import derived
 from exudyn_crawler.machines.datasheet.sheet import Datasheet
@@ -44,7 +45,7 @@ def machine_mass(case: Case) -> float:
 
 def lengths(case: Case, sheet: Datasheet) -> tuple[float, float]:
     """Return the length on ground, and over the shoes, of one assembled track, m."""
-    gear = case.closed_gear()
+    gear = case.part(Closed)
     start = gear.assembled(case.shoe, case.track)
     rear, front, _, _, low = case.shoe.footprint
     if sheet.shoe_mesh is not None:
@@ -118,7 +119,7 @@ def _built(case: Case, sheet: Datasheet) -> Iterator[Figure]:
 
 def _travelling(case: Case, sheet: Datasheet) -> Iterator[Figure]:
     """Yield sprocket speed, power, pull and grade."""
-    gear = case.closed_gear()
+    gear = case.part(Closed)
     radius = gear.travel_per_angle(case.track)
     weight = machine_mass(case) * case.gravity
     speed = sheet.travel_speed

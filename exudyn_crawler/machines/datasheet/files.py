@@ -8,6 +8,7 @@ import numpy as np
 from pydantic import ValidationError
 
 from exudyn_crawler.case.case import Case
+from exudyn_crawler.case.gear.closed import Closed
 from exudyn_crawler.errors import ParameterError
 from exudyn_crawler.machines.case_file import CaseFile
 from exudyn_crawler.machines.datasheet import library
@@ -106,7 +107,7 @@ def _keyed(line: str) -> str:
 
 def passed_shoe(case: Case) -> int:
     """Return the number of the shoe below the foremost wheel in travel, which all other wheels pass over."""
-    gear = case.closed_gear()
+    gear = case.part(Closed)
     start = gear.assembled(case.shoe, case.track)
     rollers = start.frame[0] + np.array(gear.rollers)
     foremost = rollers.max() if case.drive.speed.values[-1] >= 0.0 else rollers.min()

@@ -3,6 +3,7 @@
 import numpy as np
 
 from exudyn_crawler.case.gear.base import SIDE_FRAME
+from exudyn_crawler.case.gear.running_gear import RunningGear
 from exudyn_crawler.model.assembler import Assembler
 from exudyn_crawler.model.forces.arms import Arms
 from exudyn_crawler.model.parts.frame import add_pivoted
@@ -11,7 +12,7 @@ from exudyn_crawler.model.parts.frame import add_pivoted
 def add(assembler: Assembler) -> None:
     """Add the arms of each track, which carry their rollers in place of the frame."""
     case = assembler.case
-    gear = case.running_gear()
+    gear = case.part(RunningGear)
     if not gear.arms:
         return
     reference = gear.arm_reference(case.shoe, case.track)

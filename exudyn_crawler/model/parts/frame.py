@@ -6,7 +6,7 @@ import numpy as np
 
 from exudyn_crawler.case.gear.arms import Arm
 from exudyn_crawler.case.gear.base import SIDE_FRAME
-from exudyn_crawler.case.gear.running_gear import Bogie
+from exudyn_crawler.case.gear.running_gear import Bogie, RunningGear
 from exudyn_crawler.case.parameters.base import inertia_tensor
 from exudyn_crawler.ground.laws import Impact
 from exudyn_crawler.model import shoe_mesh
@@ -48,7 +48,7 @@ def add(assembler: Assembler) -> None:
 def _wheels(assembler: Assembler, frame: int) -> Wheels:
     """Wheels of the frame on the rails of the shoes; other parts may carry some of them."""
     case = assembler.case
-    gear = case.running_gear()
+    gear = case.part(RunningGear)
     rails = case.shoe.rails
     assert rails is not None
     lines = shoe_mesh.strip_lines(gear, rails)
@@ -91,7 +91,7 @@ def add_pivoted(
     are their places at t = 0.
     """
     case = assembler.case
-    gear = case.running_gear()
+    gear = case.part(RunningGear)
     frame = assembler.body_named(SIDE_FRAME)
     rollers = [k for k, label in enumerate(gear.wheel_labels) if label.kind == "roller"]
     of_tracks = np.reshape(rollers, (gear.tracks, -1)).tolist()
@@ -117,6 +117,6 @@ def carry(assembler: Assembler, wheel: int, body: int, place: tuple[float, float
     wheels = assembler.wheels
     wheels.frames[wheel] = body
     wheels.middles[wheel] = 0.0
-    wheels.places[wheel] = [(x, y, z) for y in shoe_mesh.strip_lines(case.running_gear(), case.shoe.rails)]
+    wheels.places[wheel] = [(x, y, z) for y in shoe_mesh.strip_lines(case.part(RunningGear), case.shoe.rails)]
     for shoe in range(*wheels.shoes[wheel]):
         assembler.couple([shoe, body])

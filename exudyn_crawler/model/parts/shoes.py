@@ -3,7 +3,7 @@
 import numpy as np
 
 from exudyn_crawler.case import Case, CellTerrain
-from exudyn_crawler.case.parameters.track import MIDWAY, SIDES
+from exudyn_crawler.case.parameters.track import MIDWAY, SIDES, FlexibleShoes
 from exudyn_crawler.ground.cells.ground import COARSE
 from exudyn_crawler.model import shoe_mesh
 from exudyn_crawler.model.assembler import DRIVE, TURN, Assembler, Body
@@ -42,7 +42,7 @@ def add(assembler: Assembler) -> None:
 
 def _modes(case: Case, floating: FloatingShoe) -> Modes:
     """Modes of flexible shoes, with their integrals by the mass matrix of the finite elements."""
-    body, _ = shoe_model(case.flexible_shoes(), case.track)
+    body, _ = shoe_model(case.part(FlexibleShoes), case.track)
     # the mass of a node is the same along x, y and z
     mass = body.mass_matrix[0::3, 0::3]
     places = body.mesh.nodes
@@ -51,7 +51,7 @@ def _modes(case: Case, floating: FloatingShoe) -> Modes:
     heavy = np.stack([mass @ shapes[:, c] for c in range(3)], axis=1)
     products = np.einsum("naj,nck->jack", shapes, heavy, optimize=True)
     omega = 2.0 * np.pi * floating.reduced.frequencies
-    ratio = case.flexible_shoes().damping.value(floating.reduced.frequencies)
+    ratio = case.part(FlexibleShoes).damping.value(floating.reduced.frequencies)
     return Modes(
         stiffness=omega**2,
         damping=2.0 * ratio * omega,
@@ -73,7 +73,7 @@ def _bodies(assembler: Assembler) -> list[Body]:
     ]
     if assembler.floating is None:
         return bodies
-    body, _ = shoe_model(case.flexible_shoes(), case.track)
+    body, _ = shoe_model(case.part(FlexibleShoes), case.track)
     places = body.mesh.nodes
     heavy_places = body.mass_matrix[0::3, 0::3] @ places
     first = heavy_places.sum(axis=0)

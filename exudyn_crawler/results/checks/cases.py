@@ -13,6 +13,7 @@ import numpy as np
 from exudyn_crawler.case import Case, Track, ph4100c
 from exudyn_crawler.case.parameters import base
 from exudyn_crawler.case.parameters.base import Place, Two
+from exudyn_crawler.case.parameters.track import FlexibleShoes
 from exudyn_crawler.machines.case_files import read_case
 from exudyn_crawler.results.life.duty import FatigueMaterial
 from exudyn_crawler.settings import parameters, reading
@@ -189,7 +190,7 @@ def check_of(case: Case) -> ShoeCheck:
     machine = case.mean_load / ph4100c.PROPEL_LOAD
     machine = float(f"{machine:.3g}") if machine > 0.0 else 1.0
     levels = tuple(level.with_(force=machine * level.force) for level in LEVELS)
-    mesh = case.flexible_shoes().mesh
+    mesh = case.part(FlexibleShoes).mesh
     return ShoeCheck(name=case.name, mesh=mesh, track=case.track, machine=machine, levels=levels)
 
 

@@ -104,7 +104,7 @@ def roller_path(history: History, materials: Iterable[FatigueMaterial] = MATERIA
     if not has_treads(history):
         needs = "a side frame on an open track, or a closed track's flexible shoes"
         raise ValueError(f"roller paths need {needs}; {case.name!r} has none")
-    gear = case.running_gear()
+    gear = case.part(RunningGear)
     if (bent := case.flexible) is not None:
         steel = replace(STEEL, youngs_modulus=bent.youngs_modulus, poissons_ratio=bent.poissons_ratio)
     passes = _passes(history, gear)

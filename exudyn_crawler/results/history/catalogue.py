@@ -11,6 +11,7 @@ import numpy as np
 import xarray as xr
 
 from exudyn_crawler.case import Case
+from exudyn_crawler.case.parameters.terrain import Terrain
 from exudyn_crawler.files import blocks
 from exudyn_crawler.results.history.quantities import QUANTITIES, Quantity
 
@@ -138,7 +139,7 @@ def terrain_deformation(case: Case, dataset: xr.Dataset, begin: xr.Dataset) -> x
     """Return the sum of the springs' upward deformations since the start, (time,), m; tilts cancel out."""
     # in blocks: the motion of all units may not fit into memory
     parts = [part.unit_heave.sum("unit") for part in blocks(dataset[["unit_heave"]])]
-    springs = case.unit_terrain().springs_per_unit
+    springs = case.part(Terrain).springs_per_unit
     return springs * xr.concat(parts, "time") - springs * begin.unit_heave.isel(time=0).sum("unit")
 
 

@@ -11,6 +11,7 @@ import numpy as np
 import xarray as xr
 
 from exudyn_crawler.case import Case
+from exudyn_crawler.case.parameters.terrain import CellContact, CellTerrain
 from exudyn_crawler.ground import rotations
 from exudyn_crawler.ground.compiled import kernel
 from exudyn_crawler.results.history import History, catalogue
@@ -62,7 +63,7 @@ def ground_map(history: History, times: Sequence[float] = ()) -> xr.Dataset:
     has no ground of cells.
     """
     case = history.case
-    terrain = case.cell_terrain()
+    terrain = case.part(CellTerrain)
     cells = np.column_stack((history.cell_column, history.cell_row))
     first = cells.min(axis=0)
     last = cells.max(axis=0)
@@ -122,7 +123,7 @@ def _metres(dims: str | tuple[str, ...], values: np.ndarray, meaning: str) -> tu
 
 def ruts(case: Case, sinkage: np.ndarray, pressure: np.ndarray) -> np.ndarray:
     """Return the sinkages (m) that remain after unloading from greatest sinkages (m) at pressures (Pa)."""
-    law: Any = case.cell_contact().law
+    law: Any = case.part(CellContact).law
     if law.kernel.forgets:
         return np.zeros_like(sinkage)
     constants = law.constants(case.shoe.ground_breadth)

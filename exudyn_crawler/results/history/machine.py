@@ -5,6 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 import pandas as pd
 
+from exudyn_crawler.case.gear.closed import Closed
 from exudyn_crawler.case.parameters.track import SIDES
 from exudyn_crawler.results.history import History
 from exudyn_crawler.results.history.summary import tension_along_chain
@@ -22,7 +23,7 @@ def machine_answers(history: History) -> pd.DataFrame:
     Columns are result, value, unit and of. The slack run is the point of the loop with the least mean
     tension, the taut run the one with the greatest. ValueError if no track is closed.
     """
-    history.case.closed_gear()
+    history.case.part(Closed)
     late = History(history.case, history.dataset.isel(time=history.time >= SETTLED * history.duration))
     sides = SIDES if history.case.tracks > 1 else ("",)
     rows: list[Row] = []

@@ -9,6 +9,8 @@ import xarray as xr
 
 from exudyn_crawler.case import SIDES
 from exudyn_crawler.case.gear.base import SIDE_FRAME
+from exudyn_crawler.case.gear.rolled import Rolled
+from exudyn_crawler.case.gear.running_gear import RunningGear
 from exudyn_crawler.ground import rotations, terrain
 from exudyn_crawler.ground.cells.ground import COARSE
 from exudyn_crawler.ground.pairs import RESULT, RESULTS
@@ -229,7 +231,7 @@ def _side_frame(states: _States) -> tuple[Arrays, "GearForces"]:
 def _swinging(states: _States, of_frame: Arrays) -> Arrays:
     """Return the angles of bogies and arms about the frame's y; empty without any."""
     case = states.system.case
-    gear = case.running_gear()
+    gear = case.part(RunningGear)
     frame = rotations.rotation_matrices(of_frame["side_frame_angles"])
     angles = {}
     for quantity, names in (("bogie_angle", gear.bogie_names), ("arm_angle", gear.arm_names)):
@@ -244,7 +246,7 @@ def _swinging(states: _States, of_frame: Arrays) -> Arrays:
 def _rolled(states: _States, motion: Arrays) -> Arrays:
     """Return motion of a side frame over an open track, forces of its rollers and pull of its drive."""
     case = states.system.case
-    frame = case.rolled_gear()
+    frame = case.part(Rolled)
     of_frame, gear_forces = _side_frame(states)
     turned = rotations.rotation_matrices(of_frame["side_frame_angles"])[:, 0, 0]
     axes = of_frame["side_frame_position"][:, :1] + np.outer(turned, frame.rollers)
@@ -351,7 +353,7 @@ def _coordinates(system: "TrackSystem") -> dict[str, object]:
 
 def _tread_coordinates(system: "TrackSystem") -> dict[str, object]:
     """Return the coordinates of the dimensions of treads."""
-    strips = np.arange(1, system.case.running_gear().strips + 1)
+    strips = np.arange(1, system.case.part(RunningGear).strips + 1)
     return {
         "rail": list(SIDES),
         "strip": ("strip", strips, {"long_name": "of a tread, from right to left"}),
@@ -360,14 +362,14 @@ def _tread_coordinates(system: "TrackSystem") -> dict[str, object]:
 
 def _swinging_coordinates(system: "TrackSystem") -> dict[str, object]:
     """Return the names of bogies and arms; empty without any."""
-    gear = system.case.running_gear()
+    gear = system.case.part(RunningGear)
     named = {"bogie": gear.bogie_names, "arm": gear.arm_names}
     return {dimension: list(names) for dimension, names in named.items() if names}
 
 
 def _roller_coordinates(system: "TrackSystem") -> dict[str, object]:
     """Return the coordinates of the dimensions of rollers and their treads."""
-    rollers = np.arange(1, len(system.case.running_gear().rollers) + 1)
+    rollers = np.arange(1, len(system.case.part(RunningGear).rollers) + 1)
     under = "shoe under a roller's axis, or the next"
     return (
         _tread_coordinates(system)

@@ -9,6 +9,7 @@ import pandas as pd
 import xarray as xr
 
 from exudyn_crawler.case import SIDES, Case
+from exudyn_crawler.case.gear.closed import Closed
 from exudyn_crawler.files import blocks
 from exudyn_crawler.results.history import History, catalogue, phases, tension
 
@@ -122,7 +123,7 @@ class _Driven:
 
     def add(self, part: History) -> None:
         """Add a part of a run."""
-        if not part.case.gear.loops or (limit := part.case.closed_gear().torque_limit) is None:
+        if not part.case.gear.loops or (limit := part.case.part(Closed).torque_limit) is None:
             return
         time = part.time.values
         moment = part.drive_moment.transpose("time", ...).values.reshape(len(time), -1)
@@ -290,7 +291,7 @@ def tension_along_chain(history: History) -> xr.Dataset:
     have x and z in the side frame (m), and `part`, the part of the loop.
     """
     case = history.case
-    closed = case.closed_gear()
+    closed = case.part(Closed)
     data = history.dataset
     track = case.track
     tension = history.over_time(["link_tension"])["link_tension"].transpose("time", "joint").values

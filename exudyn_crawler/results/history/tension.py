@@ -6,6 +6,7 @@ import numpy as np
 import xarray as xr
 
 from exudyn_crawler.case import SIDES, Case
+from exudyn_crawler.case.gear.closed import Closed
 from exudyn_crawler.results.history import catalogue
 
 IDLER = "idler"
@@ -47,7 +48,7 @@ def roller_clearances(case: Case, state: xr.Dataset) -> np.ndarray:
     It follows from the distance between the rollers' axes and straight lines from pin to pin. A run that lies
     on a roller presses it, so that its clearance is slightly negative.
     """
-    closed = case.closed_gear()
+    closed = case.part(Closed)
     rails = case.shoe.rails
     assert rails is not None  # a closed track has rails
     frame = state.side_frame_position.values
@@ -84,7 +85,7 @@ def _pins(case: Case, state: xr.Dataset) -> np.ndarray:
 
 def _hanging(case: Case, side: str, push: float, pins: np.ndarray, take_up: float) -> Hanging:
     """Return the chain of pins (n, 2), given by x and z in the frame, m."""
-    closed = case.closed_gear()
+    closed = case.part(Closed)
     place, height = closed.idler.place
     carriers = {label.words: place for label, place in closed.upper.items()}
     carriers["tumbler"] = closed.tumbler.place

@@ -13,6 +13,8 @@ import xarray as xr
 
 from exudyn_crawler.case import SIDES, Case, Track
 from exudyn_crawler.case.gear.base import WheelKind
+from exudyn_crawler.case.gear.closed import Closed
+from exudyn_crawler.case.gear.rolled import Rolled
 from exudyn_crawler.case.parameters.track import MIDWAY
 from exudyn_crawler.ground.rotations import rotation_matrices
 from exudyn_crawler.model.flexible_shoes import side_weights, whole_reduction
@@ -294,7 +296,7 @@ def _lugs(history: History, shoe: int, position: np.ndarray, frames: np.ndarray)
     track = history.case.track
     guide = acting.lug_guide.values
     for kind, forces in ((Kind.TOOTH, acting.lug_force.values - guide), (Kind.GUIDE, guide)):
-        for lug, (name, place) in enumerate(history.case.closed_gear().lugs(track)):
+        for lug, (name, place) in enumerate(history.case.part(Closed).lugs(track)):
             force = forces[:, lug]
             center = np.array(track.joint_centers[name])
             if force.any():
@@ -369,7 +371,7 @@ def _chain(history: History, shoe: int, position: np.ndarray, frames: np.ndarray
     """Yield the pull of the drive at the shoe's front pins, and the chain's tension at the outermost pins."""
     track = history.case.track
     zero = np.zeros_like(position)
-    tension = history.case.rolled_gear().end_tension
+    tension = history.case.part(Rolled).end_tension
     pulls = {"front": -drive_pulls(history)[:, shoe - 1], "rear": zero[:, 0]}
     if shoe == track.shoe_count:
         pulls["front"] = pulls["front"] + tension
@@ -387,7 +389,7 @@ def _chain(history: History, shoe: int, position: np.ndarray, frames: np.ndarray
 def drive_pulls(history: History) -> np.ndarray:
     """Return the backward pull of the drive at each shoe's front pins: array (times, shoes), N."""
     track = history.case.track
-    frame = history.case.rolled_gear()
+    frame = history.case.part(Rolled)
     first = history.position.sel(shoe=1, axis="x").values + track.pin_ahead
     tumbler = history.side_frame_position.sel(axis="x").values + frame.tumbler
     shares = frame.shares_of_links(tumbler - first, track.shoe_count - 1, track.pitch)

@@ -8,6 +8,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
+from exudyn_crawler.case.gear.running_gear import RunningGear
 from exudyn_crawler.files import whole_file
 from exudyn_crawler.results.history.history import History
 from exudyn_crawler.results.loads import actions, load_map
@@ -129,7 +130,7 @@ def roller_loads(history: History, shoe: int) -> xr.Dataset:
     ValueError if the history's case is neither rolled nor closed, or if its track has no such shoe.
     ValueError also for a rigid shoe of a closed track, since a history does not store where wheels are on it.
     """
-    frame = history.case.running_gear()
+    frame = history.case.part(RunningGear)
     wheel = "wheel" if "wheel" in history.dataset.dims else "roller"
     if wheel == "wheel":
         load_map.check_flexible(history.case, shoe)

@@ -132,12 +132,12 @@ class ShoeUnitLoads:
 
 def unit_loads(case: Case) -> ShoeUnitLoads:
     """Return the unit loads of a case's flexible shoes, cached; ValueError without any or a fitting mesh."""
-    flexible = case.flexible_shoes()
+    flexible = case.part(FlexibleShoes)
     body, _ = flexible_shoes.shoe_model(flexible, case.track)
     node = shoe_mesh.pulled_node(case, body.mesh)
     whole = flexible_shoes.whole_reduction(case).body
     cells = case.terrain.model == "cells"
-    frame = case.running_gear() if case.gear.wheel_names else None
+    frame = case.part(RunningGear) if case.gear.wheel_names else None
     return _unit_loads(flexible, case.track, case.shoe, frame, whole, node, cells)
 
 

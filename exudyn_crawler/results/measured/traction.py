@@ -7,6 +7,7 @@ import numpy as np
 
 from exudyn_crawler.case import Case
 from exudyn_crawler.case.gear.closed import Closed
+from exudyn_crawler.case.parameters.terrain import CellContact
 
 STEPS = 400  # number of steps of the sinkage in the sum of the work
 
@@ -87,7 +88,7 @@ def even_track(case: Case) -> EvenTrack:
     gear = case.gear
     if not isinstance(gear, Closed):
         raise ValueError(f"gear.kind must be 'closed' or 'machine' for a drawbar test, got {gear.kind!r}")
-    law: Any = case.cell_contact().law
+    law: Any = case.part(CellContact).law
     pitch = gear.chain_pitch(case.track)
     length = gear.rollers[-1] - gear.rollers[0] + pitch
     area = gear.tracks * length / pitch * case.shoe.ground_area

@@ -21,6 +21,7 @@ from scipy.sparse import block_diag, csr_array, eye_array, hstack, kron, vstack
 
 import fem
 from exudyn_crawler.case import Case
+from exudyn_crawler.case.parameters.track import FlexibleShoes
 from exudyn_crawler.files import writable_folder
 from exudyn_crawler.model import flexible_shoes, reductions
 from exudyn_crawler.results.history import History, files
@@ -81,7 +82,7 @@ class StaticLoads(NamedTuple):
 
 def static_loads(case: Case) -> StaticLoads | None:
     """Return the static fields of a case's flexible shoes, cached on disk; None if the case wants none."""
-    if not case.flexible_shoes().static_fields:
+    if not case.part(FlexibleShoes).static_fields:
         return None
     return _static_loads(load_map.unit_loads(case), flexible_shoes.whole_reduction(case))
 
@@ -257,11 +258,11 @@ def stress_basis(history: History, shoes: Sequence[int] | None = None) -> Stress
 
     For a run of more than `LONG` stored times memory holds a segment, and a file has the coordinates.
     """
-    chosen = list(history.case.flexible_shoes().shoes if shoes is None else shoes)
+    chosen = list(history.case.part(FlexibleShoes).shoes if shoes is None else shoes)
     units = load_map.unit_loads(history.case)
     is_long = history.time.size > LONG
     loads: Iterable[tuple[int, Any]] = _Again(lambda: _loads(history, chosen, is_long))
-    if not history.case.flexible_shoes().static_fields:
+    if not history.case.part(FlexibleShoes).static_fields:
         coordinates = _coordinates(loads, units.answers, is_long)
         return StressBasis(units.whole, None, units.answers, coordinates, None, history)
     # a static field takes the place of many loads

@@ -6,6 +6,7 @@ import numpy as np
 
 from exudyn_crawler.case import Case
 from exudyn_crawler.case.parameters import checks
+from exudyn_crawler.case.parameters.contact import PairContact
 from exudyn_crawler.engine.rest import exudyn_rest, rest_from
 from exudyn_crawler.engine.system import ExudynSystem
 from exudyn_crawler.errors import EquilibriumError
@@ -62,12 +63,12 @@ def _compiled_rest(case: Case) -> np.ndarray:
             return crept(system, guess)
     except NewtonError as failed:
         is_free = not case.gear.bodies and not system.sticks
-        if not is_free or (case.terrain.is_even and case.pair_contact().normal == "face"):
+        if not is_free or (case.terrain.is_even and case.part(PairContact).normal == "face"):
             raise no_rest(system, failed) from failed
     if not case.terrain.is_even:
         return _on_rising_ground(case)
     # inclined normals push a long chain about at the seams: the search starts from its rest on faces alone
-    return _rest_from(case, _compiled_rest(case.with_(contact=case.pair_contact().with_(normal="face"))))
+    return _rest_from(case, _compiled_rest(case.with_(contact=case.part(PairContact).with_(normal="face"))))
 
 
 def crept(system: CompiledSystem, guess: np.ndarray) -> np.ndarray:
@@ -116,6 +117,6 @@ def _crept(case: Case, guess: np.ndarray) -> np.ndarray:
 
 def _oiled(case: Case, speed: float) -> Case:
     """Return a case with friction nearly in proportion to the slip up to a speed (m/s), constant above it."""
-    contact = case.pair_contact()
+    contact = case.part(PairContact)
     oil = {"stiction_speed": speed, "friction_speed": 2.0 * speed}
     return case.with_(contact=contact.with_(dynamic_friction=contact.static_friction, **oil))

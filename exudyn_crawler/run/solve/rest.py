@@ -5,6 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from exudyn_crawler.case.parameters.contact import PairContact
 from exudyn_crawler.ground.rotations import moments_on_angles
 from exudyn_crawler.ground.rows import Weights
 from exudyn_crawler.model.compiled_system import CompiledSystem
@@ -262,7 +263,7 @@ def steady(system: CompiledSystem, q: np.ndarray) -> np.ndarray:
             break
         motion, multipliers = after
     speeds = np.linalg.norm(motion[1, : 6 * system.layout.shoes].reshape(-1, 6)[:, :3], axis=1)
-    return start if speeds.max() > system.case.pair_contact().stiction_speed else motion
+    return start if speeds.max() > system.case.part(PairContact).stiction_speed else motion
 
 
 def _steadied(

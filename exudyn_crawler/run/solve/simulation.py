@@ -11,7 +11,9 @@ from threadpoolctl import threadpool_limits
 
 from exudyn_crawler.case import Case, Solver
 from exudyn_crawler.case.gear.base import SIDE_FRAME
+from exudyn_crawler.case.gear.closed import Closed
 from exudyn_crawler.case.parameters.checks import warn_implausible
+from exudyn_crawler.case.parameters.contact import SphereContact
 from exudyn_crawler.engine import formulation
 from exudyn_crawler.errors import INTERRUPTED, SimulationStopped
 from exudyn_crawler.ground import rotations, sphere_contact
@@ -104,7 +106,7 @@ class ChainWatch:
     """Monitor of the chains of closed tracks, by rows of states; it names faults in words."""
 
     def __init__(self, case: Case, layout: state.StateLayout) -> None:
-        self.case, self.layout, self.closed = case, layout, case.closed_gear()
+        self.case, self.layout, self.closed = case, layout, case.part(Closed)
         profile = self.closed.tumbler.profile(case.track)
         self._teeth = profile.gaps
         self._addendum = profile.addendum
@@ -235,7 +237,7 @@ def _watched(
         ):
             watch.fault = (
                 f"spheres of shoes {sunken} sank through the ground; they need a "
-                f"contact.radius greater than {case.sphere_contact().radius} m, or flatter ground"
+                f"contact.radius greater than {case.part(SphereContact).radius} m, or flatter ground"
             )
         return not (watch.fault or watch.waiting)
 

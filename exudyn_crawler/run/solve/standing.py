@@ -4,6 +4,7 @@ from collections.abc import Iterator
 from typing import NamedTuple
 
 from exudyn_crawler.case import Case
+from exudyn_crawler.case.gear.closed import Closed
 from exudyn_crawler.case.gear.closed_frame import GREATEST_SAG, LEAST_SAG
 from exudyn_crawler.results.history import History, tension
 from exudyn_crawler.results.history.catalogue import LOADED
@@ -43,7 +44,7 @@ class Standing(NamedTuple):
     @property
     def chains(self) -> list[tension.Hanging]:
         """Chains of a machine on closed tracks on the ground; empty for others."""
-        if not self.case.gear.loops or self.case.closed_gear().support == "posts":
+        if not self.case.gear.loops or self.case.part(Closed).support == "posts":
             return []
         return tension.hanging_chains(self.case, self.history.dataset.isel(time=0))
 

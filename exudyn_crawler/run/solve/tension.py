@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from exudyn_crawler.case import SIDES, Case
+from exudyn_crawler.case.gear.closed import Closed
 from exudyn_crawler.case.parameters.closed_track import Tensioner
 from exudyn_crawler.case.parameters.heights import Heights
 from exudyn_crawler.errors import EquilibriumError, ParameterError
@@ -120,8 +121,8 @@ def take_up_of(case: Case) -> float:
     The search follows secants of the logarithm of the tension, from an estimate. If makers' sag is wanted and
     no chain that closes has so small a sag, the result is the tautest chain.
     """
-    idler = case.closed_gear().idler
-    wanted = case.closed_gear().wanted_sag if idler.pretension is None else idler.pretension
+    idler = case.part(Closed).idler
+    wanted = case.part(Closed).wanted_sag if idler.pretension is None else idler.pretension
 
     def excess(take_up: float) -> float:
         """Return ln(tension / wanted tension); it falls as the sag grows."""
@@ -167,7 +168,7 @@ def _search(case: Case) -> _Search:
     grease gun. It stays where it comes to rest. Friction on the ground leaves the chain of a run slightly
     slacker or tauter there.
     """
-    gear = case.closed_gear()
+    gear = case.part(Closed)
     taut = _taut(case)
     slack = max(taut - case.assembled.take_up, LEAST_SLACK)
     if not gear.sinks:
@@ -186,7 +187,7 @@ def _search(case: Case) -> _Search:
 
 def _pushed_take_up(case: Case, push: float, taut: float) -> float:
     """Return the take-up (m) at rest of an idler that a soft spring pushes forward with a force, N."""
-    gear = case.closed_gear()
+    gear = case.part(Closed)
     stiffness = push / (SOFTNESS * case.track.pitch)
     spring = Tensioner(mass=LIGHT * gear.mass, stiffness=stiffness, preload=push + stiffness * taut)
     idler = gear.idler.with_(tensioner=spring, recoil=None, sag=None, pretension=None)

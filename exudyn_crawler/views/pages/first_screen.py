@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 
 from exudyn_crawler.case import Case
 from exudyn_crawler.case.parameters import checks
+from exudyn_crawler.case.parameters.terrain import CellContact
 from exudyn_crawler.results.history import History, summary
 from exudyn_crawler.views import style
 from exudyn_crawler.views.pages import page
@@ -69,7 +70,7 @@ def sentence(history: History, results: pd.DataFrame) -> str:
 
 def ground_words(case: Case) -> str:
     """Describe the ground of a case: its model, relief and grade."""
-    words = GROUNDS[case.cell_contact().law.model if case.contact.model == "cells" else "units"]
+    words = GROUNDS[case.part(CellContact).law.model if case.contact.model == "cells" else "units"]
     relief = "" if case.terrain.is_even else " with a relief"
     ahead, across, down = case.terrain.down
     rises = {"ahead": ahead / down, "to the left": across / down}

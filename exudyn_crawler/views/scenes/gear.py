@@ -12,6 +12,7 @@ import xarray as xr
 from scipy.spatial import ConvexHull
 
 from exudyn_crawler.case import SIDES, Case, Rails, RunningGear
+from exudyn_crawler.case.gear.closed import Closed
 from exudyn_crawler.ground.rotations import rotation_matrices
 from exudyn_crawler.results.history import History
 from exudyn_crawler.views import style
@@ -51,7 +52,7 @@ def frame_on_rails(case: Case) -> tuple[RunningGear, Rails]:
 
     Raises ValueError if the case has no side frame.
     """
-    frame = case.running_gear()
+    frame = case.part(RunningGear)
     rails = case.shoe.rails
     assert rails is not None
     return frame, rails
@@ -87,7 +88,7 @@ def car_body(history: History) -> Solid:
 
 def beam_ends(case: Case) -> tuple[float, float]:
     """Return lowest and highest z (m) of the drawn beam in the side frame, below all parts above it."""
-    _, _, lowest = case.running_gear().extent(case.shoe, case.track)
+    _, _, lowest = case.part(RunningGear).extent(case.shoe, case.track)
     return BEAM[0], min(BEAM[1], lowest)
 
 
@@ -190,7 +191,7 @@ def wheel_solids(history: History) -> list[Solid]:
     level = np.stack((forward, axle, np.cross(forward, axle)), axis=-1)
     way = origin[..., 0] - case.frame_start[0]
     if history.has("tumbler_angle"):
-        way = history.tumbler_angle.values[:, None] * case.closed_gear().travel_per_angle(case.track)
+        way = history.tumbler_angle.values[:, None] * case.part(Closed).travel_per_angle(case.track)
     solids = []
     edge = style.ROLLER_EDGE
     for name, (labels, wheels) in _wheels(case).items():
@@ -215,7 +216,7 @@ def wheel_solids(history: History) -> list[Solid]:
 
 def tooth_outline(case: Case) -> np.ndarray:
     """Return the outline of the tumbler's teeth, arcs and flanks: (n, 2), x and z in m, clockwise."""
-    profile = case.closed_gear().tumbler.profile(case.track)
+    profile = case.part(Closed).tumbler.profile(case.track)
     end = profile.flank_angle
     gap = -2.0 * np.pi * np.arange(round(profile.gaps)) / profile.gaps
     inward = np.stack((-np.cos(gap), -np.sin(gap)), axis=-1)
@@ -237,7 +238,7 @@ def tumbler_solids(history: History) -> list[Solid]:
     if not history.case.gear.tumblers:
         return []
     case = history.case
-    frame = history.case.closed_gear()
+    frame = history.case.part(Closed)
     tumbler = frame.tumbler
     centers = case.track.joint_centers
     planes = np.array([[0.0, centers[f"rear {side}"][1], 0.0] for side in SIDES])

@@ -16,7 +16,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from exudyn_crawler.case import CellTerrain
+from exudyn_crawler.case import CellTerrain, Terrain
 from exudyn_crawler.results.history import History
 from exudyn_crawler.views import style
 from exudyn_crawler.views.scenes import gear, track
@@ -240,7 +240,7 @@ def ground_figure(history: History, time: float) -> Figure:
     case = history.case
     now = track.instants(history, [time])
     left, right, _, top = windows(now)[1]
-    bottom = min(0.0, float(case.unit_terrain().top_heights.min())) - DEPTH
+    bottom = min(0.0, float(case.part(Terrain).top_heights.min())) - DEPTH
     # height of the side view at full width, so that both panels have the same width
     high = 10.5 * (top - bottom) / (right - left)
     with mpl.rc_context(style.STYLE):
@@ -279,7 +279,7 @@ def map_figure(history: History, ground: xr.Dataset, time: float | None = None) 
     x0, x1, y0, y1, z0 = case.shoe.footprint
     corners = np.array([[x0, y0, z0], [x1, y0, z0], [x1, y1, z0], [x0, y1, z0]])
     outlines = [track.shoe_pose(end, shoe).place(corners)[:, :2] for shoe in end.shoe.values]
-    half = 0.5 * case.cell_terrain().cell
+    half = 0.5 * case.part(CellTerrain).cell
     sinkage = ground.sinkage.values
     rut = ground.rut.values
     label = "greatest sinkage in mm"

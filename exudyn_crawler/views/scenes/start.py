@@ -6,6 +6,7 @@ import numpy as np
 import xarray as xr
 
 from exudyn_crawler.case import SIDES, Case, CellTerrain, Terrain
+from exudyn_crawler.case.gear.running_gear import RunningGear
 from exudyn_crawler.results.history import History, catalogue
 from exudyn_crawler.views.scenes import gear, pictures, track
 from exudyn_crawler.views.scenes.scene import Solid
@@ -44,7 +45,7 @@ def start_of(case: Case) -> History:
         values["tumbler_angle"] = np.zeros(1)
         values["take_up"] = np.array([case.assembled.take_up])
     if case.tracks == 1 and case.frame_parts:
-        frame = case.running_gear()
+        frame = case.part(RunningGear)
         for name, bodies in (("bogie_angle", frame.bogies), ("arm_angle", frame.arms)):
             if bodies:
                 values[name] = np.zeros((1, len(bodies)))

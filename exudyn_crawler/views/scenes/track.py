@@ -123,7 +123,7 @@ def unloaded_level(case: Case) -> float:
     """Return the heave (m) of units under their own weight alone; 0 for cells."""
     if isinstance(case.terrain, CellTerrain):
         return 0.0
-    return case.unit_terrain().unit_mass * case.gravity_vector()[2] / case.unit_terrain().heave_stiffness
+    return case.part(Terrain).unit_mass * case.gravity_vector()[2] / case.part(Terrain).heave_stiffness
 
 
 def track_scene(history: History, force_scale: float, units: np.ndarray | None = None) -> Scene:
@@ -162,7 +162,7 @@ def shoe_boxes(history: History) -> list[Solid]:
 
 def ground_units(history: History) -> Solid:
     """Return the units of the ground as boxes."""
-    terrain = history.case.unit_terrain()
+    terrain = history.case.part(Terrain)
     half = 0.5 * np.array([terrain.unit_length, terrain.unit_width, terrain.unit_height])
     lift = history.unit_heave.transpose("time", "unit").values
     placed = terrain.centers[None], unit_turns(terrain, history.unit_tilt)
