@@ -114,5 +114,5 @@ def ring_inertia(mass: float, radius: float) -> np.ndarray:
 
 
 def sprocket_torque(pull: float, radius: float, efficiency: float) -> float:
-    """Return the torque of a sprocket for the pull of both tracks: half of it by radius over efficiency."""
+    """Return the torque of a sprocket for the pull of both tracks: 0.5 F r / eta."""
     return 0.5 * pull * radius / efficiency
