@@ -1,4 +1,4 @@
-"""Values that a field may have, for who is asked for one: words, bounds, and ready values of a part."""
+"""Constraints of a field, for prompts and lists: allowed words, bounds, and named tables of a part."""
 
 from typing import Any, Literal, get_args, get_origin
 
@@ -8,12 +8,12 @@ from pydantic.fields import FieldInfo
 from exudyn_crawler.settings import fields
 
 BOUNDS = {Gt: ("gt", "above"), Ge: ("ge", "at least"), Lt: ("lt", "below"), Le: ("le", "at most")}
-"""Attributes of what bounds a number, and the words for them."""
+"""Attribute of each class of bounds, and the words for it."""
 TRUTH = ["true", "false"]
 
 
 def choices(annotation: Any) -> list[str]:
-    """Words among which a field has to be, in a file's spelling; empty for any other field."""
+    """Return the allowed words of a field, in a file's spelling; empty for any other field."""
     if get_origin(annotation) is Literal:
         return [str(choice) for choice in get_args(annotation)]
     if annotation is bool:
@@ -23,7 +23,7 @@ def choices(annotation: Any) -> list[str]:
 
 
 def range_words(field: FieldInfo) -> str:
-    """Say between what values of a field are plausible, else allowed; empty for any."""
+    """Describe the plausible range of a field, else its bounds; empty if it has neither."""
     unit = fields.unit_of(field)
     if (span := fields.plausible_range(field)) is not None:
         low, high = (fields.value_text(float(value), unit) for value in span)
@@ -37,7 +37,7 @@ def range_words(field: FieldInfo) -> str:
 
 
 def presets(field: FieldInfo) -> dict[str, dict[str, str]]:
-    """Tables of a file that give a part of a case ready values, by their names."""
+    """Return the tables of a file that select named values of a part, by the names for a reader."""
     kinds = fields.models_of(field.annotation)
     found = {}
     for kind in kinds:

@@ -1,4 +1,4 @@
-"""Lines for refused values: one a fault, with its path, what is allowed and what is there."""
+"""Error lines for refused values: one line a fault, with its path, the allowed values and the given value."""
 
 import difflib
 import re
@@ -13,36 +13,36 @@ from pydantic.fields import FieldInfo
 from exudyn_crawler.errors import ParameterError
 from exudyn_crawler.settings import fields, sentences, units
 
-MOST_ERRORS = 100  # that are named
-LISTED = 300  # characters of allowed names, beyond which a list is cut
-NAMED = 5  # values that one table lacks which are named
-MOST_UNKNOWN = 20  # keys that a table does not know which are named
-MOST_HOMES = 3  # tables that have a key, which are named
-LISTED_BY = "listed_by"  # of a class: the command that lists its keys
+MOST_ERRORS = 100  # greatest number of errors in a report
+LISTED = 300  # characters after which a list of allowed names is cut
+NAMED = 5  # greatest number of missing values that a line names
+MOST_UNKNOWN = 20  # greatest number of unknown keys that a line names
+MOST_HOMES = 3  # greatest number of tables that a line names as the place of a key
+LISTED_BY = "listed_by"  # attribute of a class: the command that lists its keys
 TYPED = "typed"
-"""Key of a fault for what was typed in place of its input."""
+"""Key of a fault for its input as the file spells it."""
 OF_TABLES = ("missing", "extra_forbidden")
 TAGGED = ("union_tag_invalid", "union_tag_not_found")
-"""Errors of the key that tells of which class a part is."""
+"""Types of errors of the key that selects the class of a part."""
 OF_CLASS = ("model_type", "model_attributes_type", *TAGGED)
-"""Errors of what is no table of a field's classes."""
+"""Types of errors of a value that is not a table of a field's classes."""
 PROFILE = "values over time, such as {{times = [0, 5], values = [0, 0.1]}} (numbers in {units})"
 OF_LIST = re.compile(r"([\w.\[\]]+\[)(\d+)(\]: .*)")
-"""Line of a fault of an item of a list."""
+"""Error line of a list item: text before the item's number, number, text behind it."""
 
 
 class Spot(NamedTuple):
-    """Place of an error."""
+    """Location of an error: path in the file, class of the table, field, and classes of the field's value."""
 
-    place: fields.KeyPath  # as a file has it
-    table: type[pydantic.BaseModel]  # class of the table there
+    place: fields.KeyPath  # path in the file
+    table: type[pydantic.BaseModel]  # class of the table that has the key
     field: FieldInfo | None
-    held: tuple[type[pydantic.BaseModel], ...]  # classes of which the field holds one
-    choice: fields.KeyPath | None = None  # place of a value of several kinds, such as text or list
+    held: tuple[type[pydantic.BaseModel], ...]  # candidate classes of the field's value
+    choice: fields.KeyPath | None = None  # path of a value with several allowed kinds, such as text or list
 
 
 Pair = tuple[Spot, Mapping[str, Any]]
-"""Fault of pydantic with its spot."""
+"""Location and pydantic's fault."""
 
 
 def error_lines(
@@ -51,10 +51,10 @@ def error_lines(
     typed: Mapping[str, Any] | None = None,
     above: fields.KeyPath = (),
 ) -> Iterator[str]:
-    """Yield the errors of a validation of the values of `model`, a line each with its path.
+    """Yield a line with its path for each error of a validation of `model`.
 
-    `typed` are the values as a file has them, whose texts are quoted in place of the numbers that they are.
-    Values of a part of the model alone are `above` it.
+    `typed` holds the values as the file spells them. The lines quote these texts in place of the converted
+    numbers. `above` is the path of the validated part if it is not the whole file.
     """
     places = [fault | {"loc": (*above, *fault["loc"])} for fault in error.errors(include_url=False)]
     faults = [fault | {TYPED: _typed(fault, model, typed or {})} for fault in places]
@@ -65,7 +65,7 @@ def error_lines(
 
 
 def _typed(fault: Mapping[str, Any], model: type[pydantic.BaseModel], values: Any) -> Any:
-    """Return what was typed where a fault is: its text, if that is the number at fault."""
+    """Return the refused value as the file spells it, if that text has the refused number."""
     spot = _spot(fault["loc"], model)
     value = fault["input"]
     for part in spot.place:
@@ -73,19 +73,19 @@ def _typed(fault: Mapping[str, Any], model: type[pydantic.BaseModel], values: An
             return value
         try:
             values = values[part]
-        except (KeyError, IndexError, TypeError):  # it follows from other values
+        except (KeyError, IndexError, TypeError):  # derived from other values
             return value
     if not isinstance(values, str) or not isinstance(value, float) or spot.field is None:
         return value
     unit = fields.unit_of(spot.field)
     if value in (units.number_of(text, unit) for text in (values, *units.likely_texts(values))):
         return values
-    # it was made of another text, of whose digits the first say enough
+    # the number was derived from another text; four digits are enough
     return float(f"{value:.4g}")
 
 
 def _joined(lines: Iterable[str]) -> Iterator[str]:
-    """Lines in which equal faults of neighbours in a list are one: a load in place of all is wrong once."""
+    """Yield the lines, with equal faults of adjacent list items merged into one line."""
     for (head, tail, _), group in groupby(enumerate(lines), key=_run_of):
         together = [line for _, line in group]
         if len(together) == 1:
@@ -96,16 +96,19 @@ def _joined(lines: Iterable[str]) -> Iterator[str]:
 
 
 def _run_of(numbered: tuple[int, str]) -> tuple[str, str, int]:
-    """Line before and behind its place in a list, and a number that rising places share."""
+    """Return a line's text before and behind its list index, and a number equal for consecutive indices."""
     number, line = numbered
     match = OF_LIST.fullmatch(line)
     return (match[1], match[3], int(match[2]) - number) if match else ("", line, 0)
 
 
 def _lines(faults: Sequence[Mapping[str, Any]], model: type[pydantic.BaseModel]) -> Iterator[str]:
-    """Lines of pydantic's faults, in their order; those of a value of several kinds, or a table, are one."""
+    """Yield the lines of pydantic's faults in their order.
+
+    Faults of one value with several allowed kinds share a line, and so do missing or unknown keys of a table.
+    """
     spots = [(_spot(fault["loc"], model), fault) for fault in faults]
-    # a table of a class with bases lacks values in several places of the order
+    # the missing values of a class with bases are not adjacent in pydantic's order
     keys = [_together(pair) for pair in spots]
     order = [keys.index(key) if key[1] is not None else number for number, key in enumerate(keys)]
     spots = [spots[number] for number in sorted(range(len(spots)), key=order.__getitem__)]
@@ -118,7 +121,7 @@ def _lines(faults: Sequence[Mapping[str, Any]], model: type[pydantic.BaseModel])
             yield say(table[0], [spot for spot, _ in together], model)
         else:
             for spot, fault in together:
-                # what is in a list may be wrong, and not how many
+                # refused items are absent from a list, which then counts as too short
                 loc = fault["loc"]
                 inside = (other for other in faults if other["loc"][: len(loc)] == loc and other is not fault)
                 if fault["type"] != "too_short" or not any(inside):
@@ -128,7 +131,7 @@ def _lines(faults: Sequence[Mapping[str, Any]], model: type[pydantic.BaseModel])
 def _of_choice(
     choice: fields.KeyPath, together: Sequence[Pair], model: type[pydantic.BaseModel]
 ) -> Iterator[str]:
-    """Lines of a value that may be of several kinds: what is wrong within one, else what it may be."""
+    """Yield the lines of a value with several allowed kinds: the faults within one kind, else all kinds."""
     inner = [pair for pair in together if pair[0].place != choice or pair[1]["type"] not in sentences.OF_KIND]
     if inner:
         for spot, fault in inner:
@@ -140,9 +143,10 @@ def _of_choice(
 
 
 def _together(pair: Pair) -> tuple[fields.KeyPath | None, tuple[fields.KeyPath, str] | None]:
-    """Places of a value of several kinds and of a table, whose faults are one line, and what kind it is.
+    """Return the group of a fault whose members share one line.
 
-    A table lacks values, or has keys that it does not know.
+    The group is the path of a value with several allowed kinds, and the path of a table with the type of the
+    fault: missing or unknown keys.
     """
     spot, fault = pair
     is_of_table = fault["type"] in OF_TABLES and spot.place and isinstance(spot.place[-1], str)
@@ -150,12 +154,12 @@ def _together(pair: Pair) -> tuple[fields.KeyPath | None, tuple[fields.KeyPath, 
 
 
 def _all_missing(table: fields.KeyPath, spots: Sequence[Spot], _model: type[pydantic.BaseModel]) -> str:
-    """Line of several values that a table lacks."""
+    """Return the line of several values that a table lacks."""
     return f"{_names(table, spots)} are missing{_start_from(spots[0].table, 'them')}"
 
 
 def _all_unknown(table: fields.KeyPath, spots: Sequence[Spot], model: type[pydantic.BaseModel]) -> str:
-    """Line of several keys that a table does not know; those of older files alone, if there are any."""
+    """Return the line of several unknown keys of a table; only the keys of older files if there are any."""
     renamed = fields.renamed_keys(model) if not table else {}
     if older := [name for name in _last_names(spots) if name in renamed]:
         return "; ".join(f"{name} {renamed[name]}" for name in older)
@@ -171,9 +175,9 @@ def _all_unknown(table: fields.KeyPath, spots: Sequence[Spot], model: type[pydan
 
 
 def _home(place: fields.KeyPath, model: type[pydantic.BaseModel], allowed: Collection[str]) -> str:
-    """Say where in a file the key belongs that stands at a place; empty where it belongs nowhere.
+    """Describe the right table of a misplaced key; empty if no table has the key.
 
-    In a table that has a similar key among those `allowed`, that one is meant.
+    If the key resembles one of those `allowed` in its table, it is a misspelling and not misplaced.
     """
     name = str(place[-1])
     if len(place) > 1:
@@ -188,7 +192,7 @@ def _home(place: fields.KeyPath, model: type[pydantic.BaseModel], allowed: Colle
 
 
 def _listed(names: Collection[str], listed_by: str = "") -> str:
-    """Names of a list that is cut where it gets long, with the command that lists all."""
+    """Return the names as a list that is cut at `LISTED` characters, with the command that lists all."""
     shown: list[str] = []
     for name in names:
         if sum(len(other) + 2 for other in shown) > LISTED:
@@ -199,7 +203,7 @@ def _listed(names: Collection[str], listed_by: str = "") -> str:
 
 
 def _names(table: fields.KeyPath, spots: Sequence[Spot], most: int = NAMED) -> str:
-    """Return the path of a table and the last names of some places in it, as many as `most`."""
+    """Return the path of a table and at most `most` of the keys at the given locations in it."""
     names = _last_names(spots)
     more = f" and {len(names) - most} more" if len(names) > most else ""
     head = f"{fields.path_text(table)}: " if table else ""
@@ -207,18 +211,18 @@ def _names(table: fields.KeyPath, spots: Sequence[Spot], most: int = NAMED) -> s
 
 
 def _last_names(spots: Sequence[Spot]) -> list[str]:
-    """Names at the ends of some places."""
+    """Return the last name on the path of each location."""
     return [str(spot.place[-1]) for spot in spots]
 
 
 def _start_from(table: type[pydantic.BaseModel], what: str) -> str:
-    """Where what a table lacks can come from; empty where it has no named values."""
+    """Describe the source of a table's missing values; empty if its class has no named values."""
     names = " or ".join(f'"{name}"' for name in fields.named_values(table))
     return f"; give {what}, or start from {names}" if names else ""
 
 
 def _spot(loc: fields.KeyPath, model: type[pydantic.BaseModel]) -> Spot:
-    """Spot of pydantic's place, which also names the class or the kind that was tried of several."""
+    """Return the location of pydantic's path, without the class or kind that pydantic tried."""
     spot = Spot((), model, None, (model,))
     for part in loc:
         tagged = [kind for kind in spot.held if len(spot.held) > 1 and fields.tag_of(kind) == part]
@@ -239,7 +243,7 @@ def _spot(loc: fields.KeyPath, model: type[pydantic.BaseModel]) -> Spot:
 
 
 def _has_kinds(spot: Spot) -> bool:
-    """True where a value of a field may be of several kinds, none of them a table."""
+    """Return whether a field allows several kinds of values, none of them a table."""
     if spot.field is None or spot.held:
         return False
     if get_origin(spot.field.annotation) not in (Union, UnionType):
@@ -248,7 +252,7 @@ def _has_kinds(spot: Spot) -> bool:
 
 
 def _messages(spot: Spot, fault: Mapping[str, Any], model: type[pydantic.BaseModel]) -> Iterator[str]:
-    """Lines of a fault: one, or those of a part that was made with faults of its own."""
+    """Yield the line of a fault, or the lines of a part whose construction raised a `ParameterError`."""
     path = fields.path_text(spot.place)
     cause = fault.get("ctx", {}).get("error")
     if isinstance(cause, ParameterError):
@@ -265,20 +269,20 @@ def _message(spot: Spot, fault: Mapping[str, Any], model: type[pydantic.BaseMode
     if kind == "missing":
         return f"{path}: {_missing(spot, fault)}"
     if kind == "value_error":
-        # what does not fit each other in the whole content names its paths itself
+        # a contradiction within the whole content names its paths itself
         return f"{path}: {fault['ctx']['error']}" if path else str(fault["ctx"]["error"])
     if kind in TAGGED and isinstance(fault["input"], dict):
         tags = " or ".join(repr(fields.tag_of(held)) for held in spot.held)
         tag = fields.tag_field(spot.held[0])
         got = fields.shown(fault["input"].get(tag))
         return f"{fields.path_text((*spot.place, tag))}: must be {tags}, got {got}"
-    # a part whose values a file has beside the others has no path there
+    # a part whose values stand among those of its owner has no path in the file
     path = path or fields.path_text(fault["loc"])
     return f"{path}: {_wanted(spot, fault)}, got {fields.shown(fault[TYPED])}{_cause(spot, fault)}"
 
 
 def _wanted(spot: Spot, fault: Mapping[str, Any]) -> str:
-    """Return what a value must be: the sentence of its error, and what the field may have in its place."""
+    """Describe the allowed value: the sentence of the error, and the field's alternative if it has one."""
     kind = fault["type"]
     unit = fields.unit_of(spot.field) if spot.field else ""
     words = _sentence(spot, fault)
@@ -294,12 +298,12 @@ def _wanted(spot: Spot, fault: Mapping[str, Any]) -> str:
 
 
 def _sentence(spot: Spot, fault: Mapping[str, Any]) -> str:
-    """Return the sentence of the type of a fault."""
+    """Return the sentence for the type of a fault."""
     return sentences.sentence(fault["type"], fault.get("ctx", {}), spot.field)
 
 
 def _cause(spot: Spot, fault: Mapping[str, Any]) -> str:
-    """Say how a refused value could be meant; empty where nothing is likely."""
+    """Describe the likely meaning of a refused value; empty if none is likely."""
     value = fault["input"]
     if isinstance(value, str) and fault["type"] in sentences.UNREAD:
         return units.hint(value, fields.unit_of(spot.field) if spot.field else "")
@@ -309,7 +313,7 @@ def _cause(spot: Spot, fault: Mapping[str, Any]) -> str:
 
 
 def _unknown(spot: Spot, model: type[pydantic.BaseModel]) -> str:
-    """Say where a key that its table does not know belongs, or what could be meant by it."""
+    """Describe the right table or the likely meaning of an unknown key."""
     is_of_top = len(spot.place) == 1
     name = str(spot.place[-1])
     allowed = fields.file_fields(model) if is_of_top else spot.table.model_fields
@@ -323,20 +327,20 @@ def _unknown(spot: Spot, model: type[pydantic.BaseModel]) -> str:
 
 
 def _missing(spot: Spot, fault: Mapping[str, Any]) -> str:
-    """Say of a missing value where one can come from."""
+    """Describe the source of a missing value."""
     if spot.place and isinstance(spot.place[-1], int):
         return f"missing, got {fields.shown(fault['input'])}"
     return f"missing{_start_from(spot.table, 'it')}"
 
 
 def _number_words(unit: str) -> str:
-    """Say what a number must be where a text stands."""
+    """Describe the number that a field needs in place of a text."""
     example = f", or such as '1 {next(iter(fields.MISTAKEN[unit]))}'" if unit in fields.MISTAKEN else ""
     return f"{sentences.NUMBER}{f' in {unit}' if unit else ''}{example}"
 
 
 def _table(spot: Spot, unit: str) -> str:
-    """Say what a table, or values over time, must be."""
+    """Describe the table, or the values over time, that a field needs."""
     if any(getattr(held, "is_value", False) for held in spot.held):
         return PROFILE.format(units=f"s and {unit}" if unit else "s, and without a unit")
     return f"a table ({' or '.join(held.__name__ for held in spot.held)})"

@@ -1,4 +1,4 @@
-"""Fields of the parameter classes: paths, units, and the walk that files, tables and errors share."""
+"""Fields of the parameter classes: paths, units, and the traversal for files, tables and errors."""
 
 import inspect
 import json
@@ -13,20 +13,20 @@ from pydantic.fields import FieldInfo
 
 from exudyn_crawler.errors import ParameterError
 
-KeyPath = tuple[int | str, ...]  # names and numbers on the way to a value: ("loads", "phases", 2, "end")
-EVERY = "*"  # in place of a number: all items of a list
-BASE = "base"  # key of a file: the named value that gives what its table leaves out
-NONE = "none"  # what a file says where a field has no value, which TOML cannot
-TAGS = ("model", "kind")  # fields of which one tells which class of several a part is of
+KeyPath = tuple[int | str, ...]  # names and indices that lead to a value: ("loads", "phases", 2, "end")
+EVERY = "*"  # index that stands for all items of a list
+BASE = "base"  # key of a file: name of the values that complete its table
+NONE = "none"  # a file's text for no value, because TOML has no null
+TAGS = ("model", "kind")  # names of the field that selects the class of a part
 BESIDE = object()
-"""Marks, in the annotation of a field, that a file has its fields beside those of the class that holds it."""
-SHOWN = 60  # characters of a refused value that an error shows
+"""Mark in a field's annotation: in a file, the keys of its part stand among those of the owner's table."""
+SHOWN = 60  # greatest number of characters of a refused value in an error
 NAME = r"[A-Za-z_]\w*(?:\[(?:\d+|\*)\])*"
 PATH = re.compile(rf"{NAME}(?:\.{NAME})*", re.ASCII)
 
 
 def parse_path(text: str) -> KeyPath:
-    """Names and numbers of a path: ("loads", "phases", "*", "end") of ``loads.phases[*].end``."""
+    """Return the names and indices of a path: ("loads", "phases", "*", "end") for ``loads.phases[*].end``."""
     if PATH.fullmatch(text) is None:
         like = "terrain.spring_stiffness or loads.phases[0].end"
         raise ValueError(f"a path must be like {like}, got {text!r}")
@@ -34,19 +34,19 @@ def parse_path(text: str) -> KeyPath:
 
 
 def path_text(path: KeyPath) -> str:
-    """Path as it is written: ``loads.phases[2].end``."""
+    """Return the text of a path: ``loads.phases[2].end``."""
     text = ""
     for part in path:
         if isinstance(part, int) or part == EVERY:
             text += f"[{part}]"
         else:
-            # keys that need quotes in TOML have them here, and cannot break the line
+            # keys that need quotes in TOML are quoted, so that they cannot break the line
             text += "." + (part if re.fullmatch(r"[\w-]+", part, re.ASCII) else json.dumps(part))
     return text.lstrip(".")
 
 
 def names_of(path: KeyPath) -> list[str]:
-    """Names on a path, without the numbers."""
+    """Return the names on a path, without the indices."""
     return [part for part in path if isinstance(part, str) and part != EVERY]
 
 
@@ -57,11 +57,11 @@ def with_change(
     kind: type[BaseModel] | None = None,
     above: KeyPath = (),
 ) -> Any:
-    """Copy in which the value at a path, or each of those that ``*`` means, went through a function.
+    """Return a copy in which `change` replaces the value at a path, or each value that ``*`` stands for.
 
-    Parameters on the way become tables of their fields, to be validated again; a table that does not have a
-    name gets it, and the value before is None. A file may have fields of a part of the class `kind` beside
-    its own. Raises `ValueError`, with the path `above`, if there is no such item or no such table.
+    Parameter objects on the path become tables of their fields, to be validated again. A missing key is
+    added; `change` then gets None. `kind` is the class of `values`; one of its parts may have its keys among
+    those of the class. Raises `ValueError`, with the path `above`, for a missing item or table.
     """
     if not path:
         return change(values)
@@ -86,13 +86,13 @@ def with_change(
 
 
 def with_value(values: Any, path: KeyPath, value: Any, kind: type[BaseModel] | None = None) -> Any:
-    """Copy with another value at a path; see `with_change`."""
+    """Return a copy with another value at a path; see `with_change`."""
     return with_change(values, path, lambda _before: value, kind)
 
 
 @contextmanager
 def errors_at(key: str) -> Iterator[None]:
-    """Name a path as it was written in each line of what is wrong with it."""
+    """Raise errors of the block as `ParameterError` with `key`, the path as written, before each line."""
     try:
         yield
     except ValueError as error:
@@ -100,31 +100,31 @@ def errors_at(key: str) -> Iterator[None]:
 
 
 def lines_of(error: ValueError) -> list[str]:
-    """Return a line for each of the faults that an error has."""
+    """Return a line for each fault of an error."""
     return error.errors if isinstance(error, ParameterError) else [str(error)]
 
 
 def beside(kind: type[BaseModel]) -> str:
-    """Field of a class whose fields a file has beside the class's own; empty if there is none."""
+    """Return the field whose keys stand among those of its class in a file; empty if there is none."""
     return next((name for name, field in kind.model_fields.items() if BESIDE in field.metadata), "")
 
 
 def file_fields(kind: type[BaseModel]) -> dict[str, FieldInfo]:
-    """Fields of a class as a file has them."""
+    """Return the fields of a class by their keys in a file."""
     name = beside(kind)
     infos = dict(kind.model_fields)
     return file_fields(models_of(infos.pop(name).annotation)[0]) | infos if name else infos
 
 
 def renamed_keys(kind: type[BaseModel]) -> dict[str, str]:
-    """Return the keys of older files of a class, each with where its value is now."""
+    """Return the keys of older files of a class, each with the present place of its value."""
     name = beside(kind)
     inner = renamed_keys(models_of(kind.model_fields[name].annotation)[0]) if name else {}
     return inner | getattr(kind, "renamed", {})
 
 
 def key_paths(kind: type[BaseModel], start: str = "") -> Iterator[str]:
-    """Paths of all values that a parameter class may have in a file, each once."""
+    """Yield the paths of all values that a parameter class may have in a file, each once."""
     for name, field in file_fields(kind).items():
         parts = models_of(field.annotation)
         below = (path for part in parts for path in key_paths(part, f"{start}{name}."))
@@ -132,12 +132,12 @@ def key_paths(kind: type[BaseModel], start: str = "") -> Iterator[str]:
 
 
 def unit_at(kind: type[BaseModel], path: KeyPath) -> str | None:
-    """Return the unit of a value at a path of a class; None for what is no quantity of one unit."""
+    """Return the unit of a value at a path of a class; None if it is not a quantity with one unit."""
     kinds: tuple[type[BaseModel], ...] = (kind,)
     unit: str | None = None
     for name in names_of(path):
         if any(getattr(one, "is_value", False) for one in kinds):
-            # of values over time, whose unit is that of what holds them
+            # values over time have the unit of their field
             unit = "s" if name == "times" else unit
             continue
         field = next((known[name] for known in map(file_fields, kinds) if name in known), None)
@@ -149,30 +149,30 @@ def unit_at(kind: type[BaseModel], path: KeyPath) -> str | None:
 
 
 def models_of(annotation: Any) -> tuple[type[BaseModel], ...]:
-    """Parameter classes that a field may hold one or many of; empty if it holds plain values."""
+    """Return the parameter classes that an annotation allows; empty for plain values."""
     if isinstance(annotation, type) and issubclass(annotation, BaseModel):
-        # a class of which others are plugged in names them
+        # a class with plugged-in classes lists them
         return tuple(annotation.plugged_in()) if hasattr(annotation, "plugged_in") else (annotation,)
     return tuple(model for part in get_args(annotation) for model in models_of(part))
 
 
 def tag_field(kind: type[BaseModel]) -> str:
-    """Field that tells, in a class that is one of several, which one."""
+    """Return the field that selects a class among the alternatives of a part."""
     return next(name for name in TAGS if name in kind.model_fields)
 
 
 def tag_of(kind: type[BaseModel]) -> str:
-    """Value of this field in a class that is one of several."""
+    """Return the value that selects a class among the alternatives of a part."""
     return str(kind.model_fields[tag_field(kind)].default)
 
 
 def allows_none(annotation: Any) -> bool:
-    """True if a field may have no value."""
+    """Return whether a field may have no value."""
     return type(None) in get_args(annotation)
 
 
 def named_values(kind: type[BaseModel]) -> dict[str, Callable[[], BaseModel]]:
-    """Constructors of a parameter class that need no argument, by name: ``Terrain.stress``, say."""
+    """Return the constructors of a parameter class that need no argument, by name, as ``Terrain.stress``."""
     parts = reversed(kind.__mro__[: kind.__mro__.index(BaseModel)])
     members = {name: member for part in parts for name, member in vars(part).items()}
     names = [name for name, member in members.items() if isinstance(member, classmethod) and name[0] != "_"]
@@ -187,7 +187,7 @@ def named_values(kind: type[BaseModel]) -> dict[str, Callable[[], BaseModel]]:
 
 
 class Item(NamedTuple):
-    """A table or a value of a case: its place, its field and what stands there."""
+    """Table or value of a case: its path, its field and its content."""
 
     place: KeyPath
     field: FieldInfo
@@ -195,26 +195,26 @@ class Item(NamedTuple):
 
     @property
     def path(self) -> str:
-        """Path as it is written: ``loads.phases[2].end``."""
+        """Text of the path: ``loads.phases[2].end``."""
         return path_text(self.place)
 
     @property
     def unit(self) -> str:
-        """Unit; empty for what has none."""
+        """Unit of the field; empty if it has none."""
         return unit_of(self.field)
 
     @property
     def meaning(self) -> str:
-        """Description of the field, or that of the parameter class that it holds."""
+        """Description of the field, else of its parameter class."""
         kinds = [type(self.value)] if isinstance(self.value, BaseModel) else models_of(self.field.annotation)
         about = (inspect.getdoc(kinds[0]) or "") if kinds else ""
         return self.field.description or about.split("\n\n")[0].replace("\n", " ")
 
 
 def walk(model: BaseModel, place: KeyPath = ()) -> Iterator[Item]:
-    """Every table and value of a parameter object, in order.
+    """Yield every table and value of a parameter object, in order.
 
-    A table comes before what it holds, its values before its tables. A quantity over time is a value.
+    A table comes before its content, and values come before tables. A quantity over time is a value.
     """
     values = dict(iter(model))
     tables = []
@@ -234,7 +234,7 @@ def walk(model: BaseModel, place: KeyPath = ()) -> Iterator[Item]:
 
 
 def entry_at(model: BaseModel, path: KeyPath) -> Item | None:
-    """Table or value at a path, or that holds the list which the path leads into; None if there is none."""
+    """Return the table or value at a path, else the value that is the list of the path; None if neither."""
     place = tuple(0 if part == EVERY else part for part in path)
     entries = {entry.place: entry for entry in walk(model)}
     while place not in entries and place and isinstance(place[-1], int):
@@ -243,12 +243,12 @@ def entry_at(model: BaseModel, path: KeyPath) -> Item | None:
 
 
 def is_table(value: object) -> bool:
-    """True for a value with a table of its own; a quantity over time has none."""
+    """Return whether a value has a table of its own; a quantity over time has none."""
     return isinstance(value, BaseModel) and not getattr(value, "is_value", False)
 
 
 def is_number(value: object) -> TypeGuard[int | float]:
-    """True for a number, which a truth value is not."""
+    """Return whether a value is a number; true and false are not."""
     return isinstance(value, int | float) and not isinstance(value, bool)
 
 
@@ -256,12 +256,12 @@ ENGINEERING = (
     *(("N( m)?$", "k", 1e3), ("Pa", "G", 1e10), ("Pa", "M", 1e6), ("Pa", "k", 1e3)),
     *(("N/|N s", "M", 1e6), ("N/|N s", "k", 1e3)),
 )
-"""Units for reading, kN, MPa, MN/m: begin of a unit, its prefix, and the least number that has it."""
+"""Units with prefix for readers, such as kN, MPa, MN/m: start of the unit, prefix, least number with it."""
 PREFIXES = {"": 1.0, "k": 1e3, "M": 1e6, "G": 1e9}
 
 
 def prefix_of(value: object, unit: str) -> str:
-    """Prefix of a unit in which a number, or the greatest of some, is read; empty for none."""
+    """Return the prefix of the unit for a number, or for the greatest of a list; may be empty."""
     numbers = value if isinstance(value, tuple | list) else [value]
     greatest = max((abs(number) for number in numbers if is_number(number)), default=0.0)
     return next(
@@ -270,7 +270,7 @@ def prefix_of(value: object, unit: str) -> str:
 
 
 def shown(value: object) -> str:
-    """Value as an error shows it, on one line and cut where it is long."""
+    """Return the text of a value for an error: one line, cut at `SHOWN` characters."""
     text = " ".join(repr(value).split())
     if len(text) <= SHOWN:
         return text
@@ -279,7 +279,7 @@ def shown(value: object) -> str:
 
 
 def value_text(value: object, unit: str = "") -> str:
-    """Value for reading, with its unit if that is said; equal numbers once."""
+    """Return the text of a value for readers, with its unit if one is given; equal numbers once."""
     if not unit or value is None or value == () or isinstance(value, str | bool):
         return _scaled_text(value)
     prefix = prefix_of(value, unit)
@@ -287,7 +287,7 @@ def value_text(value: object, unit: str = "") -> str:
 
 
 def _scaled_text(value: object, size: float = 1.0) -> str:
-    """Value, or values, over a size."""
+    """Return the text of a value, or of a list of values, divided by a unit's size."""
     if isinstance(value, tuple | list) and value:
         if len(value) > 3 and all(element == value[0] for element in value):
             return f"{len(value)} x {_scaled_text(value[0], size)}"
@@ -301,7 +301,7 @@ def _scaled_text(value: object, size: float = 1.0) -> str:
 
 
 def number_text(value: float) -> str:
-    """Shortest text that reads back as the same number: ``20e6`` in place of ``20000000.0``."""
+    """Return the shortest text that reads back as the same number: ``20e6``, not ``20000000.0``."""
     for power in (9, 6, 3) if abs(value) >= 1e6 else ():
         text = f"{value / 10.0**power:.6g}e{power}"
         if abs(value) >= 10.0**power and "e" not in text[:-2] and float(text) == value:
@@ -310,7 +310,7 @@ def number_text(value: float) -> str:
 
 
 def in_units(value: float, units: Mapping[str, float], digits: int = 3) -> str:
-    """Number for reading, in the first of the units (greatest first) that it has one of, else in the last."""
+    """Return the text of a number in the first unit (greatest first) that is not above it, else the last."""
     unit = next((name for name, size in units.items() if abs(value) >= size), [*units][-1])
     return f"{value / units[unit]:.{digits}g} {unit}"
 
@@ -323,24 +323,24 @@ READ_IN: dict[str, dict[str, float]] = {
     "W": {"MW": 1e6, "kW": 1e3, "W": 1.0},
     "N m": {"kN m": 1e3, "N m": 1.0},
 }
-"""Units in which quantities are read, greatest first."""
+"""Units for readers, greatest first, with their size in the SI unit."""
 
 
 def quantity_text(value: float, unit: str) -> str:
-    """Return a quantity with four digits and a unit for reading: 35.37 t, 140 mm."""
+    """Return the text of a quantity with four digits and a unit for readers: 35.37 t, 140 mm."""
     name = read_unit(value, unit)
     return f"{_four_digits(value / READ_IN.get(unit, {}).get(name, 1.0))} {name}".rstrip()
 
 
 def span_text(least: float, greatest: float, unit: str) -> str:
-    """Return a span with four digits in the unit in which its end is read: 0.8188 to 4.094 m."""
+    """Return the text of a span with four digits, in the unit of its end: 0.8188 to 4.094 m."""
     name = read_unit(greatest, unit)
     size = READ_IN.get(unit, {}).get(name, 1.0)
     return f"{_four_digits(least / size)} to {_four_digits(greatest / size)} {name}".rstrip()
 
 
 def read_unit(value: float, unit: str) -> str:
-    """Return the unit in which a quantity is read: the greatest that it has one of, else the least."""
+    """Return the unit of a quantity for readers: the greatest that is not above it, else the least."""
     units = READ_IN.get(unit, {unit: 1.0})
     return next((name for name, size in units.items() if abs(value) >= size), [*units][-1])
 
@@ -350,7 +350,7 @@ def _four_digits(value: float) -> str:
 
 
 class Row(NamedTuple):
-    """A value of a case for reading."""
+    """Row of a table for readers: key, value and meaning."""
 
     key: str
     value: str  # with its unit
@@ -358,12 +358,12 @@ class Row(NamedTuple):
 
 
 def values_of(case: BaseModel) -> Iterator[Item]:
-    """Every value of a case or a case file."""
+    """Yield every value of a case or a case file."""
     return (entry for entry in walk(case) if not is_table(entry.value))
 
 
 def case_rows(case: BaseModel) -> list[Row]:
-    """The same for reading."""
+    """Return every value of a case or a case file as rows for readers."""
     return [Row(entry.path, value_text(entry.value, entry.unit), entry.meaning) for entry in values_of(case)]
 
 
@@ -384,11 +384,11 @@ MISTAKEN: dict[str, dict[str, float]] = {
     "Pa": {"MPa": 1e6, "GPa": 1e9, "kPa": 1e3},
     "Hz": {"kHz": 1e3},
 }
-"""Units that numbers come in by mistake, or as texts, with their size in that of the case."""
+"""Other units in which users give numbers, by mistake or as texts, with their size in the field's unit."""
 
 
 TENS = (10.0, 0.1, 100.0, 0.01, 1e3, 1e-3)
-"""Powers of ten by which a value is taken to be mistyped."""
+"""Candidate factors for a slipped decimal point."""
 
 
 def _extra(field: FieldInfo) -> dict[str, Any]:
@@ -396,30 +396,30 @@ def _extra(field: FieldInfo) -> dict[str, Any]:
 
 
 def has_unit(field: FieldInfo) -> bool:
-    """True for a field that is a quantity, which may have the unit of a plain number."""
+    """Return whether a field is a quantity; a plain number counts as one if its unit is given as 1."""
     return "unit" in _extra(field)
 
 
 def unit_of(field: FieldInfo) -> str:
-    """Unit of a field; empty for what has none."""
+    """Return the unit of a field; empty if it has none."""
     unit = _extra(field).get("unit", "")
     return "" if unit == "1" else unit
 
 
 def in_place(field: FieldInfo) -> str:
-    """Say what a file may have in place of a field's value; empty for nothing else."""
+    """Describe the alternative that a file may have in place of a field's value; empty if there is none."""
     of_class = (getattr(kind, "in_place", "") for kind in models_of(field.annotation))
     return _extra(field).get("in_place") or next(filter(None, of_class), "")
 
 
 def plausible_range(field: FieldInfo) -> tuple[float, float] | None:
-    """Least and greatest plausible value of a field; None for one that has none."""
+    """Return the least and greatest plausible value of a field; None if it has no such range."""
     bounds = _extra(field).get("plausible")
     return bounds and tuple(bounds)
 
 
 def likely_cause(value: float, field: FieldInfo) -> str:
-    """Hint at the units in which a value would be plausible; empty if there are none."""
+    """Describe the units in which a value would be plausible; empty if there are none."""
     span = plausible_range(field) or (value, value)
     if not value or span[0] <= value <= span[1]:
         return ""
@@ -431,12 +431,12 @@ def likely_cause(value: float, field: FieldInfo) -> str:
 
 
 def _likely_units(value: float, unit: str, span: tuple[float, float]) -> list[str]:
-    """Return the units in which a number lies within a span of a field's own unit."""
+    """Return the other units in which a number lies within a span, which is in the field's unit."""
     return [name for name, size in MISTAKEN.get(unit, {}).items() if span[0] <= value * size <= span[1]]
 
 
 def meant(value: float, unit: str, span: tuple[float, float]) -> str:
-    """Ask for what could be meant by a value outside of a span: another unit, or a power of ten off."""
+    """Suggest a likely meaning of a value outside a span: another unit, or a slipped decimal point."""
     likely = [f"{_four_digits(value)} {name}" for name in _likely_units(value, unit, span)]
     if not likely:
         tens = [value * power for power in TENS if span[0] <= value * power <= span[1]]

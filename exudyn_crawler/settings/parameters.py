@@ -24,7 +24,7 @@ def _printable(name: str) -> str:
 
 
 Name = Annotated[str, MinLen(1), MaxLen(100), pydantic.AfterValidator(_printable)]
-"""Of a case, a phase or a run, as tables and pages show it."""
+"""Name of a case, a phase or a run in tables and pages."""
 
 
 def _rising(values: tuple[Any, ...]) -> tuple[Any, ...]:
@@ -37,7 +37,7 @@ Rising = Annotated[tuple[Item, ...], pydantic.AfterValidator(_rising)]
 
 
 def _from_folder(path: Path, info: pydantic.ValidationInfo) -> Path:
-    # that of the file which names it, while it is read
+    # relative to the folder of the file that names the path, while that file is read
     return path.absolute() if info.context is None else (info.context / path).resolve()
 
 
@@ -51,11 +51,11 @@ def quantity(
     in_place: str = "",
     **bounds: Any,
 ) -> Any:
-    """Pydantic field of a physical quantity.
+    """Return the pydantic field of a physical quantity.
 
-    A run warns of values outside of those `plausible` of machines and ground as there are. Outside of the
-    `bounds` (gt, ge, lt, le of `pydantic.Field`) no machine could be meant, or numbers fail. A file may have
-    something else `in_place`, in words.
+    A run warns of values outside the range `plausible` of real machines and ground. The `bounds` (gt, ge, lt,
+    le of `pydantic.Field`) exclude values that no machine has or that make the numerics fail. `in_place`
+    describes what a file may have in place of the value.
     """
     extra: dict[str, Any] = {"unit": unit} | ({"plausible": list(plausible)} if plausible else {})
     extra |= {"in_place": in_place} if in_place else {}
@@ -63,7 +63,7 @@ def quantity(
 
 
 def option(description: str, default: Any = ..., **bounds: Any) -> Any:
-    """Pydantic field of what is no quantity."""
+    """Return the pydantic field of a value that is not a physical quantity."""
     return pydantic.Field(default, description=description, **bounds)
 
 
@@ -81,7 +81,7 @@ class Parameters(pydantic.BaseModel):
         except pydantic.ValidationError as error:
             raise ParameterError("\n".join(error_lines(error, type(self)))) from None
 
-    # parts that are given as tables are validated in one go, so that their faults have the whole path
+    # pydantic validates nested tables together with their owner, so that errors have the whole path
     __init__.__pydantic_base_init__ = True  # type: ignore[attr-defined]
 
     @pydantic.model_validator(mode="after")
@@ -91,15 +91,16 @@ class Parameters(pydantic.BaseModel):
         return self
 
     def _errors(self) -> Errors:
-        """Yield the values that do not fit each other; each check may rely on those before it."""
+        """Yield an error for each contradiction between values; a check may rely on those before it."""
         yield from ()
 
     def with_(self, changes: Mapping[str, Any] | None = None, /, **values: Any) -> Self:
-        """Copy with some values changed, of fields or by their paths, validated again as when made.
+        """Return a copy with changed values, by field or by path, which is validated like a new object.
 
-        Paths are as ``{"terrain.spring_stiffness": 1e7, "loads.phases[*].side_shift": 0.1}``.
+        Paths are as ``{"terrain.spring_stiffness": 1e7, "loads.phases[*].side_shift": 0.1}``. Raises
+        `ParameterError`, with the path, for a change that cannot be made.
         """
-        # of the fields alone: iterating also gives cached properties
+        # fields only: an iteration over the object also gives cached properties
         changed = {name: getattr(self, name) for name in type(self).model_fields} | values
         for path, value in (changes or {}).items():
             with fields.errors_at(path):
@@ -108,12 +109,12 @@ class Parameters(pydantic.BaseModel):
 
     @classmethod
     def _fitted(cls, values: dict[str, Any]) -> dict[str, Any]:
-        """Values of a copy, of which some follow others."""
+        """Return the values of a copy, with dependent values adapted."""
         return values
 
     def _repr_html_(self) -> str:
-        """Table of every value with unit and meaning, for notebooks."""
-        # notebooks alone wait for it
+        """Return the table of every value with unit and meaning, for notebooks."""
+        # a slow import that only notebooks need
         import pandas as pd
 
         with pd.option_context("display.max_colwidth", None):

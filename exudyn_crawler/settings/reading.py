@@ -1,7 +1,7 @@
-"""Files of parameters: TOML whose tables may say only what differs from a `base`, a named constructor.
+"""Parameter files: TOML whose tables may give only the differences from a `base`, a named constructor.
 
-Within the program all is in SI units. In place of a number a file may have a text with one and a unit, as
-`units` reads it.
+All values of the program are in SI units. In place of a number a file may have a text with number and unit,
+which `units` reads.
 """
 
 import difflib
@@ -22,21 +22,25 @@ from exudyn_crawler.settings import error_lines, fields, units
 Model = TypeVar("Model", bound=BaseModel)
 Content = dict[str, Any]
 LINE = re.compile(r"\(at line (\d+),")
-"""Place that the reader of TOML names."""
+"""Line number in an error of the TOML reader."""
 COMMA = re.compile(r"=\s*([+-]?\d+),(\d+)\s*(?:#.*)?$")
 """Number with a decimal comma in a line of TOML."""
 BACKSLASH = re.compile(r'"([^"]*\\[^"]*)"')
 """Text with a backslash in double quotes."""
 BARE_UNIT = re.compile(r"=\s*([+-]?\d[\d.]*\s*[A-Za-zµ°%][^\s\"#,\]}]*)")
-"""Number with a unit that stands in no quotes."""
+"""Number with a unit that lacks its quotes."""
 INCHES = re.compile(r'"(?:([\d.]+) *(?:ft|\') *-? *)?([\d.]+) *""')
-"""Text in double quotes that a sign for inches ends."""
+"""Text in double quotes that ends at an inch mark."""
 
 
 def read_parameters(
     path: str | Path, kind: type[Model], name: str, values: Callable[[Content], Content]
 ) -> Model:
-    """Parameter object of a file of a kind `name`; `values` makes its content values; or `CaseFileError`."""
+    """Return the parameter object of a file; raises `CaseFileError` for refused content.
+
+    `name` says in errors what kind of file is expected. `values` converts the content of the file to the
+    values of the class `kind`.
+    """
     path = Path(path)
     content: Content = {}
     with errors_named(path, kind, content):
@@ -45,15 +49,18 @@ def read_parameters(
 
 
 def toml_content(path: Path, name: str) -> Content:
-    """Content of a TOML file; raises `FileNotFoundError` or, without the path, `ValueError` if it is none."""
+    """Return the content of a TOML file.
+
+    Raises `FileNotFoundError` if there is no file, or `ValueError`, without the path, if it is not TOML.
+    """
     if not path.is_file():
         raise FileNotFoundError(f"{path} is a folder, no {name}" if path.is_dir() else f"no {name} {path}")
-    # some editors put a mark before the text
+    # some editors write a byte order mark
     return content_of(path.read_bytes(), "utf-8-sig")
 
 
 def content_of(source: str | bytes, coding: str = "utf-8") -> Content:
-    """Content of TOML, a text or bytes in a coding; ValueError if it is none."""
+    """Return the content of TOML text, or of bytes in an encoding; raises `ValueError` if it is not TOML."""
     text = source if isinstance(source, str) else ""
     try:
         text = source if isinstance(source, str) else source.decode(coding)
@@ -64,7 +71,7 @@ def content_of(source: str | bytes, coding: str = "utf-8") -> Content:
 
 
 def _of_line(text: str, message: str) -> str:
-    """Say how the line that an error of TOML's reader names could be meant; empty where nothing is likely."""
+    """Describe the likely meaning of the line that a TOML error names; empty if none is likely."""
     place = LINE.search(message)
     lines = [line for line in text.splitlines() if line.strip()] if place is None else text.splitlines()
     line = lines[int(place[1]) - 1 if place else -1] if lines else ""
@@ -82,15 +89,15 @@ def _of_line(text: str, message: str) -> str:
 
 @contextmanager
 def errors_named(path: Path, kind: type[BaseModel], typed: Content | None = None) -> Iterator[None]:
-    """Make what is wrong with the content of a file, of a parameter class, a `CaseFileError`.
+    """Raise errors of the block, about the content of a file of a parameter class, as `CaseFileError`.
 
-    `typed` is the content as it was typed, in whose words values are quoted.
+    `typed` is the content as the file spells it; errors quote values from it.
     """
     try:
         yield
     except ValidationError as error:
         raise CaseFileError(path, list(error_lines.error_lines(error, kind, typed))) from None
-    except CaseFileError:  # of another file that this one names
+    except CaseFileError:  # an error of another file that this one names
         raise
     except RecursionError as error:
         raise CaseFileError(path, [str(error)]) from error
@@ -99,15 +106,18 @@ def errors_named(path: Path, kind: type[BaseModel], typed: Content | None = None
 
 
 def from_content(kind: type[Model], content: Content, folder: Path | None = None) -> Model:
-    """Parameter object of the content of a file in a folder; `ValidationError` for what is not allowed."""
-    # strict JSON takes lists for tuples and whole numbers for any, but no text for numbers; it has no type
-    # for TOML's dates and times, which no field takes
+    """Return the parameter object of a file's content; raises `ValidationError` for refused values.
+
+    Relative paths in the content start from `folder`.
+    """
+    # strict JSON accepts lists for tuples and whole numbers for floats, but no text for numbers; it has no
+    # type for TOML's dates and times, which no field accepts
     text = json.dumps(filled(content, kind), default=lambda value: {"date or time": str(value)})
     return kind.model_validate_json(text, strict=True, context=folder)
 
 
 def stated(content: Content, above: fields.KeyPath = ()) -> Iterator[fields.KeyPath]:
-    """Yield the places of all values that a file states; a list is one value."""
+    """Yield the paths of all values in a file; a list is one value."""
     for key, value in content.items():
         if isinstance(value, dict):
             yield from stated(value, (*above, key))
@@ -122,10 +132,10 @@ def filled(
     path: fields.KeyPath = (),
     unit: str = "",
 ) -> Content:
-    """Values of a table of one of the classes over its base, or over the values `below` it.
+    """Return the values of a table of one of the classes, completed from its base or from `below`.
 
-    Texts with units become numbers and "none" no value; what is filled already stays as it is. `unit` is that
-    of values over time.
+    Texts with units become numbers, and "none" becomes None; a second call changes nothing. `unit` is the
+    unit of values over time. Raises `ValueError`, with the path, for an unknown base.
     """
     below = below or {}
     values = dict(below)
@@ -134,7 +144,7 @@ def filled(
         tag_field = fields.tag_field(kind)
         tag = content.get(tag_field, below.get(tag_field))
         kind = next((model for model in kinds if fields.tag_of(model) == tag), kind)
-        # values of another class say nothing of this one
+        # values of another class do not apply to this one
         values = values if below.get(tag_field) == fields.tag_of(kind) else {}
     if fields.BASE in content:
         values = _named(content[fields.BASE], kind, path)
@@ -154,7 +164,7 @@ def filled(
 
 
 def _filled_value(value: Any, field: FieldInfo, below: Any, path: fields.KeyPath, unit: str | None) -> Any:
-    """Value of a field, which may be a table or tables, as `filled` has it."""
+    """Return the value of a field, with its table or tables completed by `filled`."""
     kinds = fields.models_of(field.annotation)
     if value == fields.NONE and fields.allows_none(field.annotation):
         return None
@@ -167,12 +177,12 @@ def _filled_value(value: Any, field: FieldInfo, below: Any, path: fields.KeyPath
         return [_filled_value(element, field, None, (*path, k), unit) for k, element in enumerate(value)]
     if not isinstance(value, dict):
         return value
-    # below is none, or the list of a table given by mistake
+    # below is None, or a list where the file has a table by mistake
     return filled(value, *kinds, below=below if isinstance(below, dict) else None, path=path, unit=unit or "")
 
 
 def _named(name: object, kind: type[BaseModel], path: fields.KeyPath) -> Content:
-    """Values of a named constructor."""
+    """Return the values of a named constructor; raises `ValueError`, with the path, for an unknown name."""
     constructors = fields.named_values(kind)
     if isinstance(name, str) and name in constructors:
         return constructors[name]().model_dump(mode="json")
@@ -185,7 +195,7 @@ def _named(name: object, kind: type[BaseModel], path: fields.KeyPath) -> Content
 
 
 def _unit_of(field: FieldInfo, exponent: object) -> str | None:
-    """Unit of a field of a law with this exponent; None for what is no quantity."""
+    """Return the unit of a field, with the law's exponent inserted; None if it is not a quantity."""
     if not fields.has_unit(field):
         return None
     power = exponent if fields.is_number(exponent) else 1.0

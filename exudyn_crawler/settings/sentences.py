@@ -1,7 +1,7 @@
-"""Sentences for a refused value: a row for each of pydantic's types of errors, filled from the field.
+"""Sentences for refused values: a row for each of pydantic's types of errors, filled from the field.
 
-The words are those of this table, whatever the words of the library are. Bounds and counts are those that the
-library found broken; unit and choices are the field's own.
+This table gives the words, independent of those of the library. Bounds and counts come from the library's
+error; unit and choices come from the field.
 """
 
 from collections.abc import Mapping
@@ -31,7 +31,7 @@ OF_KIND = {
     "invalid_key": "must have texts for keys",
     "int_parsing_size": "must be a whole number of fewer digits",
 }
-"""Sentences of errors of a value that is of another kind than the field's."""
+"""Sentences for a value of another kind than the field's."""
 OF_SIZE = {
     "greater_than": "must be greater than {gt}{unit}",
     "greater_than_equal": "must be greater than or equal to {ge}{unit}",
@@ -43,18 +43,18 @@ OF_SIZE = {
     "string_too_short": "must have at least {min_length} character{plural}",
     "string_too_long": "must have at most {max_length} character{plural}",
 }
-"""Sentences of errors of a value of the right kind that is too small, too large, too short or too long."""
+"""Sentences for a value of the right kind that is too small, too large, too short or too long."""
 SENTENCES = OF_KIND | OF_SIZE
 BOUNDED = ("greater_than", "greater_than_equal", "less_than", "less_than_equal")
-"""Errors of a number out of its bounds."""
+"""Types of errors of a number out of its bounds."""
 UNREAD = ("float_type", "int_type", "tuple_type", "model_type", "model_attributes_type")
-"""Errors of a file's text that is no number or list of numbers."""
+"""Types of errors of a text in place of a number, a list or a table."""
 OTHER = "must be another value"
-"""Sentence for a type of error that no field of this program has."""
+"""Sentence for a type of error that no field of this program raises."""
 
 
 def sentence(error_type: str, context: Mapping[str, Any], field: FieldInfo | None) -> str:
-    """Return what a value of a field must be, from the type of its error and the error's context."""
+    """Return the sentence on the allowed value of a field, from the type and the context of its error."""
     counts = [context[name] for name in ("min_length", "max_length") if name in context]
     unit = fields.unit_of(field) if field else ""
     values = {name: f"{value:.12g}" if fields.is_number(value) else value for name, value in context.items()}

@@ -1,7 +1,7 @@
-"""Numbers with units as they are written: "20 MN/m" of a case, and what makers print, as 8' 6".
+"""Texts with a number and a unit: "20 MN/m" in a case, and makers' spellings such as 8' 6".
 
-A text with a number and a unit is the number of a field's own unit. Angles are no plain numbers here:
-revolutions a second are no hertz, and degrees no slope.
+Such a text becomes a number in the field's unit. Angles have a dimension here: revolutions per second are
+not hertz, and degrees are not a slope.
 """
 
 import re
@@ -15,13 +15,13 @@ from exudyn_crawler.errors import ParameterError
 from exudyn_crawler.settings import fields
 
 PARTING = "[ '\u00a0\u202f]"
-"""Marks between thousands that are no decimal marks anywhere."""
+"""Thousands separators that no country uses as a decimal mark."""
 NUMBER = rf"[+-]?(?:\d{{1,3}}(?:{PARTING}\d{{3}})+(?:\.\d*)?|\d+\.?\d*|\.\d+)(?:e[+-]?\d+)?"
 NAME = r"[a-zµ°%_]+(?:\^?-?\d(?:\.\d+)?)?"
 UNIT = rf"(?:1/)?{NAME}(?:\s*[*/ ]\s*{NAME})*"
 TEXT = re.compile(rf"\s*({NUMBER})(?:\s*(?=[a-zµ°%])|\s+(?=1/))({UNIT})\s*", re.IGNORECASE)
-POWER = re.compile(r"(?<=[A-Za-zµ°])\^?(-?\d)")  # m3 and s2, as units are written here, too
-OPEN_POWER = re.compile(r"\^\(?exponent(?:\+(\d)\))?")  # of a law's modulus, by its exponent
+POWER = re.compile(r"(?<=[A-Za-zµ°])\^?(-?\d)")  # with or without a caret: m^3, m3
+OPEN_POWER = re.compile(r"\^\(?exponent(?:\+(\d)\))?")  # power in a modulus's unit, set by an exponent
 DEFINITIONS = """
 centi- = 1/100 = c-
 milli- = 1/1000 = m-
@@ -70,7 +70,7 @@ SIGNS = str.maketrans(
     | dict.fromkeys("\u2033\u201c\u201d", '"')
     | {"\u03bc": "\u00b5"}
 )
-"""Signs of print, and those of a keyboard for them."""
+"""Typographic characters and their keyboard equivalents."""
 TONS = {"short": "short_ton", "long": "long_ton", "metric": "t"}
 TON = re.compile(rf"\b({'|'.join(TONS)}) tons?\b", re.IGNORECASE)
 BARE_TON = re.compile(r"\btons?\b", re.IGNORECASE)
@@ -78,24 +78,24 @@ FOOT, INCH = r"(?:ft|feet|foot|')", r"(?:inch(?:es)?|in|''|\")"
 NUMBER_OF_INCHES = r"(?P<inches>\d+(?:\.\d+)?)(?:[- ](?P<part>\d+)/(?P<whole>2|4|8|16|32|64))?"
 FEET = re.compile(rf"\s*(?P<feet>\d+(?:\.\d+)?)\s*{FOOT}(?:\s*[- ]?\s*{NUMBER_OF_INCHES}\s*{INCH})?\s*")
 INCHES = re.compile(rf"\s*{NUMBER_OF_INCHES}\s*{INCH}\s*")
-"""Lengths of one or two parts: 8' 6", 11 ft 6 in, 15'-8 1/2"."""
+"""Lengths in feet and inches, or in inches: 8' 6", 11 ft 6 in, 15'-8 1/2"."""
 INCHES_OF_A_FOOT = 12
 COMMA = re.compile(r"\s*([+-]?\d+),(\d+)([^,]*)")
 POINTS = re.compile(r"\s*([+-]?\d{1,3}(?:\.\d{3})+),(\d+)(.*)")
 COMMAS = re.compile(r"\s*([+-]?\d{1,3}(?:,\d{3}){2,})(.*)")
 THOUSANDS = 3
-"""Digits behind a comma that may part thousands."""
+"""Number of digits behind a comma that may separate thousands."""
 OF_FORCE = {"kg": "kgf", "lb": "lbf", "lbs": "lbf"}
 CASED = {
     name.lower(): name
     for name in ("kg", "t", "km", "h", "m", "mm", "cm", "s", "N", "kN", "kPa", "hp", "kW", "W", "PS")
 }
-"""Units by their names in small letters, but for those that mega and milli make two of."""
+"""Units by their names in lower case, without those that differ by case alone (mega and milli)."""
 
 
 @cache
 def _registry() -> Any:
-    # half a second, for files alone that have units
+    # the import takes half a second; only files with units need it
     import pint
 
     registry: Any = pint.UnitRegistry(None, non_int_type=Fraction)
@@ -108,7 +108,7 @@ def is_unit(text: str) -> bool:
     """Return whether a text is a unit."""
     if not re.fullmatch(UNIT, text, re.IGNORECASE):
         return False
-    # what is wrong with a unit raises all kinds of errors
+    # a wrong unit raises errors of many classes
     try:
         return bool(_registry().parse_units(POWER.sub(r"^\1", text)))
     except Exception:
@@ -117,15 +117,16 @@ def is_unit(text: str) -> bool:
 
 @cache
 def _size(unit: str, unit_here: str) -> Fraction:
-    """Return the size of a unit in a field's own; ValueError for no unit, or for one of something else."""
+    """Return the size of a unit in the field's unit; raises an error of pint for a wrong or other unit."""
     there, here = (_registry().parse_units(POWER.sub(r"^\1", text)) for text in (unit, unit_here))
     return Fraction((Fraction(1) * there).to(here).magnitude)
 
 
 def number_of(value: object, unit: str) -> object:
-    """Return the number, in a field's unit, of a text with a number and a unit; all else as it is.
+    """Return the number, in the field's unit, of a text with a number and a unit; other values unchanged.
 
-    It is as exact as may be. A list whose numbers have units in part is a `ParameterError`.
+    The conversion is exact up to one rounding. Raises `ParameterError` for a list with units on some of its
+    numbers only.
     """
     if isinstance(value, list | tuple):
         refuse_mixed(value, unit)
@@ -135,7 +136,7 @@ def number_of(value: object, unit: str) -> object:
     match = TEXT.fullmatch(_typed(value))
     if match is None:
         return value
-    # what is wrong with a unit raises all kinds of errors
+    # a wrong unit raises errors of many classes
     try:
         return float(Fraction(re.sub(PARTING, "", match[1])) * _size(match[2], unit))
     except Exception:
@@ -143,24 +144,24 @@ def number_of(value: object, unit: str) -> object:
 
 
 def _typed(text: str) -> str:
-    """Return a text of print as a keyboard has it: feet and inches as inches, tons by their names."""
+    """Return a text with keyboard characters, feet and inches as inches, and tons by their unit names."""
     plain = text.translate(SIGNS)
     if (match := FEET.fullmatch(plain) or INCHES.fullmatch(plain)) is None:
         return TON.sub(lambda found: TONS[found[1].lower()], plain)
     parts = match.groupdict()
     inches = Fraction(parts["inches"] or 0) + Fraction(int(parts["part"] or 0), int(parts["whole"] or 1))
     if "feet" in parts:
-        if inches >= INCHES_OF_A_FOOT or "000" in plain:  # that parts thousands
+        if inches >= INCHES_OF_A_FOOT or "000" in plain:  # the apostrophe separates thousands
             return plain
         inches += INCHES_OF_A_FOOT * Fraction(parts["feet"])
-    # halves of halves of an inch have finite decimals
+    # binary fractions of an inch have finite decimals
     return f"{Decimal(inches.numerator) / Decimal(inches.denominator)} inch"
 
 
 def refuse_mixed(values: Sequence[object], unit: str, names: Sequence[str] = ()) -> None:
     """Raise `ParameterError` for a number without a unit beside texts with one; zero needs none.
 
-    `names` are those of the values, if they have any.
+    `names` holds the names of the values, if they have any.
     """
     texts = [value for value in values if isinstance(value, str) and fields.is_number(number_of(value, unit))]
     if not texts:
@@ -175,7 +176,7 @@ def refuse_mixed(values: Sequence[object], unit: str, names: Sequence[str] = ())
 
 
 def hint(text: str, unit: str) -> str:
-    """Say how a text that is no number of a unit could be meant; empty where nothing is likely."""
+    """Describe the likely meaning of a text that is not a number with a unit; empty if none is likely."""
     plain = text.translate(SIGNS)
     if re.fullmatch(rf"\s*{NUMBER}\s*", plain, re.IGNORECASE):
         of_unit = f"{text.strip()} {unit}".rstrip()
@@ -193,14 +194,14 @@ def hint(text: str, unit: str) -> str:
 
 
 def likely_texts(text: str) -> Iterator[str]:
-    """Yield a text with other units: those of force, and in the letters that they have."""
+    """Yield the text with likely units: force for mass, the right letter case, and both."""
     for names in (OF_FORCE, CASED, {name.lower(): OF_FORCE.get(unit, unit) for name, unit in CASED.items()}):
         words = re.split(r"([A-Za-z]+)", text)
         yield "".join(names.get(word if names is OF_FORCE else word.lower(), word) for word in words)
 
 
 def _comma(text: str) -> str:
-    """Say how a number with commas is written; empty where there are none."""
+    """Describe the right spelling of a number with commas; empty if it has none."""
     if match := COMMAS.fullmatch(text):
         return f"; numbers have no commas: '{match[1].replace(',', '')}{match[2]}'"
     if match := POINTS.fullmatch(text):
