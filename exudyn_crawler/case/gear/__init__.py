@@ -1,6 +1,6 @@
 """Gears, which move a track and carry the machine, a file for each kind.
 
-- dragged: the drive moves the front shoe, loads press on the shoes;
+- dragged: the drive moves the front shoe, and loads press on the shoes;
 - rolled: a side frame rolls over shoes that lie before it;
 - closed: a track goes round tumbler, idler and rollers of its side frame;
 - machine: two closed tracks and the car body between them.

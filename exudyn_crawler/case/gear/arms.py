@@ -1,4 +1,4 @@
-"""Arms that carry road wheels on springs: the M113 and the Marder."""
+"""Arms that carry road wheels on springs, as on the M113 and the Marder."""
 
 import math
 from collections.abc import Sequence
@@ -10,8 +10,8 @@ from exudyn_crawler.settings.parameters import Errors, Parameters, quantity
 class Arm(Parameters):
     """Arm on a pivot of the side frame that carries a roller: a road wheel on a torsion bar.
 
-    Where the roller is at its place in the frame the spring presses it down with `torque`; the wheel is
-    behind its pivot (a trailing arm) or in front of it.
+    With the roller at its place in the frame, the spring presses the wheel down with `torque`. The wheel is
+    behind the pivot (a trailing arm) or in front of it.
     """
 
     roller: int = quantity("1", "number of its roller, from the rear", ge=1)
@@ -37,25 +37,28 @@ class Arm(Parameters):
     )
 
     def lift(self, roller: float, angle: float) -> float:
-        """Return the height (m) by which a turn up by an angle (rad) lifts its roller at x, m."""
+        """Return the lift (m) of the roller at x (m) when the arm turns up by an angle (rad)."""
         length, elevation = self._stands(roller)
         return length * (math.sin(min(elevation + angle, 0.5 * math.pi)) - math.sin(elevation))
 
     def lifted(self, roller: float, height: float) -> tuple[float, float]:
-        """Return way along x (m) and angle about y (rad) of its roller at x (m), lifted by a height, m."""
+        """Return displacement along x (m) and angle about y (rad) for a lift (m) of the roller at x (m)."""
         length, elevation = self._stands(roller)
         turned = math.asin(min(math.sin(elevation) + height / length, 1.0))
         side = math.copysign(1.0, roller - self.pivot[0])
         return side * length * (math.cos(turned) - math.cos(elevation)), -side * (turned - elevation)
 
     def _stands(self, roller: float) -> tuple[float, float]:
-        """Return distance (m) and elevation (rad) of its roller, at x (m), as seen from its pivot."""
+        """Return distance (m) and elevation (rad) of the roller at x (m), seen from the pivot."""
         x, z = self.pivot
         return math.hypot(roller - x, z), math.atan2(-z, abs(roller - x))
 
 
 def arm_errors(arms: Sequence[Arm], rollers: Sequence[float], carried: set[int]) -> Errors:
-    """Arms whose rollers are not there, right at the pivot, or another's; bogies have those `carried`."""
+    """Yield an error for each arm with a missing roller, a shared one, or one at the pivot's x.
+
+    `carried` holds the numbers of the rollers on bogies.
+    """
     taken = dict.fromkeys(carried, "a bogie")
     for number, arm in enumerate(arms):
         name = f"gear.arms[{number}]"

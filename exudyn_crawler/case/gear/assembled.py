@@ -1,7 +1,7 @@
-"""Start of a closed track: a chain that closes about its wheels, and where its shoes are.
+"""Start of a closed track: a chain that closes about its wheels, and the positions of its shoes.
 
-A chain that is too short for its idler's take-up pulls a frame down on sprung arms: it closes about road
-wheels that all stand higher in the frame, from where it comes to rest.
+A chain that is too short for its idler's take-up pulls a frame down on sprung arms. It then closes about
+road wheels that are all higher in the frame; the equilibrium starts from there.
 """
 
 import math
@@ -18,33 +18,36 @@ from exudyn_crawler.case.parameters import assembly
 from exudyn_crawler.case.parameters.track import Shoe, Track
 
 CLEARANCE = 0.5  # m, between the lowest shoes of a frame on posts and the ground
-MOST_SAG = 0.5  # of the upper run's length: how far it may sag
-TAKE_UPS = 81  # tried of the idler's range
+MOST_SAG = 0.5  # greatest sag of the upper run, fraction of its length
+TAKE_UPS = 81  # number of take-ups in the idler's range that a search tries
 ROLLERS = (1, 2)
 """Numbers of the outer rollers among the wheels of a `_Loop`."""
 
 
 class Assembled(NamedTuple):
-    """Where a closed track starts."""
+    """Start of a closed track at t = 0."""
 
     take_up: float  # of the idler, m
     sag: float  # of the upper run, m
     frame: np.ndarray  # (3,): origin of the side frame, m, global
-    shoes: np.ndarray  # (shoes, 6): COMs (m, global) and angles (rad), of which pitch falls
-    tumbler: np.ndarray  # (6,): those of the tumbler
-    sunk: float  # of the frame on its arms, m
+    shoes: np.ndarray  # (shoes, 6): COMs (m, global) and angles (rad); the pitch angle falls along the chain
+    tumbler: np.ndarray  # (6,): centre (m, global) and angles (rad) of the tumbler
+    sunk: float  # m, sinkage of the frame on its arms
 
 
 @lru_cache(maxsize=64)
 def assembled(closed: ClosedFrame, shoe: Shoe, chain: Track) -> Assembled:
-    """Closed chain about its wheels, its first shoe's COM at `first_com`; raises `assembly.MisfitError`."""
+    """Return the start of a closed chain about its wheels, with the COM of its first shoe at `first_com`.
+
+    Raises `assembly.MisfitError` if the chain does not close.
+    """
     rails = shoe.rails
     assert rails is not None
     pitch = closed.chain_pitch(chain)
     take_up, sag, sunk, pieces = _closed(closed, shoe, chain)
     places = assembly.pins_along(pieces, pitch, chain.shoe_count)
     pins = np.array([assembly.point_at(pieces, place) for place in places])
-    # the rearmost shoe of which the pins have passed the first roller comes first
+    # the first shoe is the rearmost one with both pins ahead of the first roller
     first = next(k for k, place in enumerate(places) if place >= 2.0)
     apart = np.diff(pins, axis=0)
     middles = 0.5 * (pins[1:] + pins[:-1])
@@ -71,28 +74,28 @@ def assembled(closed: ClosedFrame, shoe: Shoe, chain: Track) -> Assembled:
 
 
 class _Loop(NamedTuple):
-    """Wheels that the pins of a closed chain lie about, and how a take-up of the idler moves them."""
+    """Wheels inside a closed chain, and their positions for a take-up of the idler."""
 
     closed: ClosedFrame
-    rise: float  # of the rails over the pins, m
-    pitch: float  # of the chain as it is, and new, m
-    new_pitch: float
+    rise: float  # height of the rails above the pins, m
+    pitch: float  # pitch of the chain with wear, m
+    new_pitch: float  # pitch of the new chain, m
 
     @property
     def upper_ends(self) -> list[WheelLabel]:
-        """Foremost and rearmost of what carries the upper run, which alone shape it."""
+        """Foremost and rearmost support of the upper run; only these determine its shape."""
         upper = sorted(self.closed.upper.items(), key=lambda item: item[1])
         return [label for label, _ in upper[:: -max(1, len(upper) - 1)]]
 
     @property
     def names(self) -> list[str]:
-        """Names of the wheels in their order round the loop; the last of each run alone shape it."""
+        """Names of the wheels in their order round the loop; only the outer ones of each run are in it."""
         rollers = [label.words for label in self.closed.wheel_labels if label.kind == "roller"]
         return ["tumbler", rollers[0], rollers[-1], "idler", *(label.words for label in self.upper_ends)]
 
     @property
     def deepest(self) -> float:
-        """How far (m) the frame may sink: arms turn to their stops, and the ends stay above the rollers."""
+        """Greatest sinkage (m) of the frame, limited by the arms' stops and by the height of both ends."""
         if not self.closed.sinks:
             return 0.0
         arms = self.closed.arms
@@ -103,7 +106,7 @@ class _Loop(NamedTuple):
         return max(0.0, min(*lifts, *ends))
 
     def circles(self, take_up: float, sunk: float = 0.0) -> list[assembly.Circle]:
-        """Circles of the pins about these wheels, of a frame that has sunk (m) on its arms."""
+        """Return the circles of the pins about the wheels, for a sinkage (m) of the frame on its arms."""
         closed = self.closed
         places = self.closed.upper
         (x, z), on_idler = closed.idler_circle(take_up, self.rise, self.pitch)
@@ -119,7 +122,10 @@ class _Loop(NamedTuple):
         return wheels + [(*places[label], carriers) for label in self.upper_ends]
 
     def belt(self, take_up: float, sag: float = 0.0, sunk: float = 0.0) -> list[assembly.Piece]:
-        """Belt about them; a `MisfitError` that names the wheel which lies within it, and what would do."""
+        """Return the belt about the wheels.
+
+        Raises `assembly.MisfitError` for a wheel within the belt; the message names it and gives a remedy.
+        """
         circles = self.circles(take_up, sunk)
         try:
             return assembly.belt(circles, sag)
@@ -134,12 +140,15 @@ class _Loop(NamedTuple):
             raise assembly.MisfitError(f"{lies} about the others; {remedy}") from error
 
     def _lift(self, end: int) -> float:
-        """Height (m) of the axis of tumbler or idler at which its pins leave those of the rollers."""
+        """Return the axis height (m) of tumbler or idler with which the lower run is one straight line."""
         _, _, rollers = self.circles(0.0)[1]
         return self.circles(0.0)[end][2] - rollers
 
     def take_ups(self) -> tuple[float, float]:
-        """Range of take-ups at which no wheel lies within the chain, or in another, about the least way."""
+        """Return the range of take-ups at which no wheel lies within the belt or in another wheel.
+
+        The range has the take-up of least size that fits. Raises `assembly.MisfitError` if none fits.
+        """
         tried = np.linspace(*self.closed.idler.range, TAKE_UPS)
         fit = np.array([self._fits(take_up) for take_up in tried])
         if not fit.any():
@@ -159,7 +168,10 @@ class _Loop(NamedTuple):
 def _closed(
     closed: ClosedFrame, shoe: Shoe, chain: Track
 ) -> tuple[float, float, float, list[assembly.Piece]]:
-    """Take-up, sag of the upper run, how far the frame has sunk, m, and belt of a chain that closes."""
+    """Return take-up, sag of the upper run and sinkage of the frame, m, and the belt of a chain that closes.
+
+    Raises `assembly.MisfitError` if it does not close.
+    """
     assert shoe.rails is not None
     pitch = closed.chain_pitch(chain)
     count = chain.shoe_count

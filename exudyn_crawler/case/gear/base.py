@@ -1,8 +1,7 @@
-"""Contract of gears: what every kind gives a case.
+"""Interface of gears: the members that every kind gives a case.
 
-Who asks a gear asks for the thing that is wanted (wheels, names of bodies, where shoes start, what is
-refused), never for its kind. A gear takes what it needs of the rest of a case as arguments: shoe and chain,
-or the case as a `Whole`.
+Callers ask a gear for the result itself (wheels, names of bodies, start positions of shoes, errors), never
+for its kind. A gear takes the rest of a case as arguments: shoe and chain, or the case as a `Whole`.
 """
 
 from collections.abc import Iterator
@@ -18,21 +17,21 @@ from exudyn_crawler.case.parameters.track import SIDES, Shoe, Track
 from exudyn_crawler.settings.parameters import Errors, Parameters
 
 SIDE_FRAME = "side frame"
-"""Name of the body that rolls over the shoes; of a machine on two tracks all of it but shoes and tumblers."""
+"""Name of the body that rolls over the shoes; on two tracks it is the machine without shoes and tumblers."""
 POSTS = (0, 1, 2, 3, 4, 5)
-"""Coordinates of a side frame that posts hold: all."""
+"""Coordinates of a side frame that posts hold: all six."""
 
 
 WheelKind = Literal["roller", "idler", "carrier", "slide"]
 
 
 class WheelLabel(NamedTuple):
-    """Kind and number of a wheel, and the words for it that tables and histories have."""
+    """Kind and number of a wheel, and its name in tables and histories."""
 
     kind: WheelKind
-    number: int = 0  # from 1, rear to front; 0: there is no other
-    line: int = 0  # of a slide, from 1, rear to front
-    track: str = ""  # "right" or "left" of a machine on two tracks
+    number: int = 0  # from 1, rear to front; 0: the only one
+    line: int = 0  # line of a slide, from 1, rear to front
+    track: str = ""  # "right" or "left" on a machine with two tracks
 
     @property
     def words(self) -> str:
@@ -44,7 +43,7 @@ class WheelLabel(NamedTuple):
 
 
 class Whole(Protocol):
-    """Case as its gear sees it."""
+    """Members of a case that its gear may use."""
 
     @property
     def shoe(self) -> Shoe:
@@ -72,10 +71,10 @@ class Whole(Protocol):
 
     @property
     def is_compiled(self) -> bool:
-        """True where a run takes the compiled equations of motion."""
+        """Use of the compiled equations of motion in a run, true or false."""
 
     def gravity_vector(self) -> np.ndarray:
-        """Acceleration of gravity: array (3,), m/s2."""
+        """Return the acceleration of gravity: array (3,), m/s2."""
 
 
 class Gear(Parameters):
@@ -84,32 +83,32 @@ class Gear(Parameters):
     kind: str
 
     phrase: ClassVar[str] = "Track of {shoes} shoes, whose front shoe is dragged"
-    """Words for readers: what stands on which shoes; `mass` is that of all but the shoes, in t."""
+    """Template of the words for readers: masses `whole` and `carried` in t, number of `shoes` of a track."""
 
     quantities: ClassVar[frozenset[str]] = frozenset()
-    """Words by which the catalogue of quantities says that one needs such a gear."""
+    """Words in the catalogue of quantities for those that this gear has."""
     tracks: ClassVar[int] = 1
-    """Number of tracks; of two the right one comes first."""
+    """Number of tracks; the right one comes first."""
     loops: ClassVar[int] = 0
-    """Number of chains that are closed."""
+    """Number of closed chains."""
     rigid_joint: ClassVar[str] = SIDES[0]
-    """Side of the joint of a link of rigid shoes."""
+    """Position of the joint across a link of rigid shoes: a side, or the middle."""
     shoes_stand: ClassVar[bool] = False
-    """True where the drive moves no shoe over the ground."""
+    """True if the drive moves no shoe over the ground."""
 
     @property
     def parts(self) -> tuple[str, ...]:
-        """Files of `model.parts` that its machine is made of, in the order of their bodies."""
+        """Files of `model.parts` that build the gear, in the order of their bodies."""
         return ("shoes",)
 
     @property
     def middles(self) -> np.ndarray:
-        """Y of the middles of the tracks in the axes of the side frame: array (tracks,), m."""
+        """Lateral positions y of the tracks' middles in the side frame's axes: array (tracks,), m."""
         return np.zeros(self.tracks)
 
     @property
     def bodies(self) -> tuple[str, ...]:
-        """Names of the bodies beside the shoes: a side frame, then what turns in it."""
+        """Names of the bodies other than shoes: the side frame, then the bodies that move in it."""
         return ()
 
     @property
@@ -119,17 +118,17 @@ class Gear(Parameters):
 
     @property
     def sliding_idlers(self) -> tuple[str, ...]:
-        """Names of the idlers that are bodies: those that tensioners push."""
+        """Names of the idlers that are bodies, because they slide on springs."""
         return ()
 
     @property
     def wheel_labels(self) -> list[WheelLabel]:
-        """Kinds and numbers of the wheels that press on rails, in their order."""
+        """Kinds and numbers of the wheels on rails, in their order."""
         return []
 
     @property
     def wheel_names(self) -> list[str]:
-        """Names of these wheels."""
+        """Names of the wheels on rails, in their order."""
         return [label.words for label in self.wheel_labels]
 
     @property
@@ -139,61 +138,61 @@ class Gear(Parameters):
 
     @property
     def holds(self) -> tuple[int, ...]:
-        """Coordinates of the side frame that are held."""
+        """Coordinates of the side frame with a hold."""
         return ()
 
     @property
     def pin_compliance(self) -> float:
-        """Compliance of pins across the chain: m/N sideways, rad/(N m) in yaw and roll."""
+        """Lateral compliance of the pins: m/N sideways, rad/(N m) in yaw and roll."""
         return 0.0
 
     @property
     def is_set_by_tension(self) -> bool:
-        """True where the place of an idler is what gives its chain the tension at rest."""
+        """True if the chain's tension at rest determines the idler's take-up."""
         return False
 
     @property
     def single(self) -> "Gear":
-        """Gear of one of the tracks by itself."""
+        """Gear of a single track."""
         return self
 
     def loop(self, chain: Track) -> Track:
-        """Chain of one of the tracks."""
+        """Return the chain of one track."""
         return chain.with_(shoe_count=chain.shoe_count // self.tracks)
 
     def chain_pitch(self, chain: Track) -> float:
-        """Distance of the pins of a shoe, m."""
+        """Return the distance between the pins of a shoe, m."""
         return chain.pitch
 
     def shoes_by_strips(self, bends: np.ndarray) -> np.ndarray:
-        """Shoes, from 0, with every strip of a tread in a history; `bends` (shoes,): the flexible ones."""
+        """Return the shoes, from 0, with every strip of a tread in a history; `bends`: flexible shoes."""
         return np.arange(len(bends))
 
     def joints(self, chain: Track) -> np.ndarray:
-        """Numbers of the links; link i joins shoe i and the next one of its track."""
+        """Return the numbers of the links; link i connects shoe i and the next one of its track."""
         return chain.shoes if self.loops else chain.joints
 
     def shoe_reference(self, shoe: Shoe, chain: Track) -> np.ndarray:
-        """Positions of the COMs (m, global) and angles (rad) of the shoes at t = 0: array (shoes, 6)."""
+        """Return the COMs (m, global) and angles (rad) of the shoes at t = 0: array (shoes, 6)."""
         coms = chain.com_positions(shoe.com_height)
         return np.hstack((coms, np.zeros_like(coms)))
 
     def standing(self, case: Whole) -> np.ndarray:
-        """True for shoes that carry the machine as it stands at t = 0: array (shoes,)."""
+        """Return True for shoes that carry the machine at t = 0: array (shoes,)."""
         return np.ones(case.track.shoe_count, dtype=bool)
 
     def first_loads(self, case: Whole) -> np.ndarray:
-        """Loads on the shoes beside their weight at t = 0: array (shoes,), N."""
+        """Return the loads on the shoes, without their weight, at t = 0: array (shoes,), N."""
         return case.loads.loads(0.0)[0]
 
     def way(self, drive: Drive, times: np.ndarray) -> np.ndarray:
-        """Way along x and y of the track's middle by times (s), as the drive wants it: (times, 2), m."""
+        """Return the prescribed x and y displacement of the track's middle at times (s): (times, 2), m."""
         travels = drive.travel(times)
         return np.column_stack((travels, np.zeros_like(travels)))
 
     @property
     def carried_mass(self) -> float:
-        """Mass on the shoes beside their own, kg."""
+        """Mass that the shoes carry, without their own, kg."""
         return 0.0
 
     def whole_mass(self, case: Whole) -> float:
@@ -201,34 +200,37 @@ class Gear(Parameters):
         return self.carried_mass + case.track.shoe_count * case.shoe.mass
 
     def words(self, case: Whole) -> str:
-        """Say what stands on which shoes, for readers."""
+        """Describe the gear, its mass and its shoes for readers."""
         whole, carried = (f"{1e-3 * mass:.4g}" for mass in (self.whole_mass(case), self.carried_mass))
         shoes = case.track.shoe_count // self.tracks
         return self.phrase.format(whole=whole, carried=carried, shoes=shoes)
 
     def wrenches(self, machine: np.ndarray) -> np.ndarray:
-        """Forces and moments beside those on shoes: array (n, 6), N and N m; `machine` (6,) is on a frame."""
+        """Return the wrenches other than those on shoes: array (n, 6), N and N m.
+
+        `machine` (6,) is the wrench on the side frame, N and N m.
+        """
         return np.zeros((0, 6))
 
     def active(self, driven: bool, turned: bool, drawn: bool = False) -> np.ndarray:
-        """Equations of the drive of a shoe or a frame, and of its turn, that hold: array (2,), 1 or 0.
+        """Return the active constraints of the drive, for travel and turn: array (2,), 1 or 0.
 
-        A frame that is `drawn` has a drawbar that holds its speed.
+        `drawn` is true if a drawbar holds the speed of the side frame.
         """
         return np.array([driven, turned], dtype=float)
 
     def motors(self, speeds: np.ndarray, chain: Track) -> np.ndarray:
-        """Speeds of the motors (rad/s) at speeds of the tracks (tracks,), m/s."""
+        """Return the speeds of the motors (rad/s) for speeds of the tracks (tracks,), m/s."""
         return np.zeros(0)
 
     def errors(self, case: Whole) -> Errors:
-        """Lines that say what does not fit the rest of the case; the first is raised."""
+        """Yield an error for each contradiction to the rest of the case; the first one is raised."""
         yield from ()
 
     def implausible(self, shoe: Shoe, chain: Track) -> Iterator[str]:
-        """Lines that say what no machine is known to have."""
+        """Yield a warning for each value that no known machine has."""
         yield from ()
 
     def reach_errors(self, chain: Track, travel: float, time: float) -> Errors:
-        """Lines that say what is off the track after a travel (m), at a time (s)."""
+        """Yield an error for each part that is off the track after a travel (m), at a time (s)."""
         yield from ()

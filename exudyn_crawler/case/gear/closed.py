@@ -1,4 +1,4 @@
-"""Closed: a track goes round tumbler, idler and rollers of its side frame."""
+"""Closed gear: a track goes round tumbler, idler and rollers of its side frame."""
 
 from collections.abc import Iterator
 from typing import ClassVar, Literal, Self
@@ -17,8 +17,8 @@ from exudyn_crawler.case.parameters.track import MIDWAY, Shoe, Track
 from exudyn_crawler.case.ph4100c import GRAVITY
 from exudyn_crawler.settings.parameters import Errors, option
 
-MISFIT = 0.01  # of a chain's pitch by which that of its tumbler plausibly differs from it, new or worn
-SLIDE_MARGIN = 0.02  # m, by which a round line of a slide touches a rail beyond the rail's ends, at most
+MISFIT = 0.01  # greatest plausible difference of the tumbler's pitch, fraction of the chain's, new or worn
+SLIDE_MARGIN = 0.02  # m, greatest distance from a rail's ends at which a slide's round line still touches it
 
 
 class Closed(ClosedFrame):
@@ -30,12 +30,12 @@ class Closed(ClosedFrame):
     chain_parts: ClassVar[tuple[str, ...]] = ("tumbler", "idler")
     loops: ClassVar[int] = 1
     phrase: ClassVar[str] = "Side frame of {carried} t with its wheels on a closed track of {shoes} shoes"
-    # in a tight chain a joint beside the middle would bear a moment of the whole tension
+    # a joint off the middle would carry a moment of the whole tension in a tight chain
     rigid_joint: ClassVar[str] = MIDWAY
 
     @classmethod
     def ph4100c(cls) -> Self:
-        """Closed track of the P&H 4100C BOSS; `case.ph4100c` marks what is assumed."""
+        """Return the closed track of the P&H 4100C BOSS; `case.ph4100c` marks assumed values."""
         return cls(tumbler=Tumbler.ph4100c(), idler=Idler.ph4100c(), **ph4100c.CLOSED_TRACK)
 
     @property
@@ -50,12 +50,12 @@ class Closed(ClosedFrame):
 
     @property
     def holds(self) -> tuple[int, ...]:
-        """Coordinates of the side frame that are held: on posts all."""
+        """Coordinates of the side frame with a hold: all of them on posts."""
         return POSTS if self.support == "posts" else super().holds
 
     @property
     def pin_compliance(self) -> float:
-        """Compliance of pins across the chain: m/N sideways, rad/(N m) in yaw and roll."""
+        """Lateral compliance of the pins: m/N sideways, rad/(N m) in yaw and roll."""
         return self.compliance
 
     @property
@@ -70,71 +70,71 @@ class Closed(ClosedFrame):
 
     @property
     def slide_places(self) -> tuple[base.Three, ...]:
-        """X of rear and front end, z of the top of slides, m."""
+        """Slides: x of rear and front end, z of the top, m."""
         return self.slides
 
     def assembled(self, shoe: Shoe, chain: Track) -> Assembled:
-        """Where the chain of one track starts; `assembly.MisfitError` if it does not close."""
+        """Return the start of one track; raises `assembly.MisfitError` if its chain does not close."""
         return assembled(self, shoe, self.loop(chain))
 
     def shoe_reference(self, shoe: Shoe, chain: Track) -> np.ndarray:
-        """Positions of the COMs (m, global) and angles (rad) of the shoes at t = 0: array (shoes, 6)."""
+        """Return the COMs (m, global) and angles (rad) of the shoes at t = 0: array (shoes, 6)."""
         return self.beside(self.assembled(shoe, chain).shoes)
 
     def frame_start(self, shoe: Shoe, chain: Track) -> np.ndarray:
-        """Origin of the side frame, or the machine, at t = 0, on rails that have not settled: (3,), m."""
+        """Return the origin of side frame or machine at t = 0, on rails that have not settled: (3,), m."""
         return self.assembled(shoe, chain).frame - np.array([0.0, self.middles[0], 0.0])
 
     def tumbler_reference(self, shoe: Shoe, chain: Track) -> np.ndarray:
-        """Centres of the tumblers (m, global) and their angles (rad) at t = 0: array (tracks, 6)."""
+        """Return the tumblers' centres (m, global) and angles (rad) at t = 0: array (tracks, 6)."""
         return self.beside(self.assembled(shoe, chain).tumbler[None])
 
     def idler_reference(self, shoe: Shoe, chain: Track) -> np.ndarray:
-        """Centres of the idlers (m, global) and their angles (rad) at t = 0: array (tracks, 6)."""
+        """Return the idlers' centres (m, global) and angles (rad) at t = 0: array (tracks, 6)."""
         x, z = self.idler.place
         start = self.assembled(shoe, chain)
         center = start.frame + np.array([x + start.take_up, 0.0, z])
         return self.beside(np.array([[*center, 0.0, 0.0, 0.0]]))
 
     def beside(self, rows: np.ndarray) -> np.ndarray:
-        """Rows (n, 6) of the first track, global, for every track: array (tracks n, 6)."""
+        """Return the rows (n, 6) of the first track, global, moved to every track: array (tracks n, 6)."""
         middles = self.middles
         rows_of_all = np.tile(rows, (self.tracks, 1))
         rows_of_all[:, 1] += np.repeat(middles - middles[0], len(rows))
         return rows_of_all
 
     def first_wheels(self, shoe: Shoe, chain: Track) -> np.ndarray:
-        """Wheels of one track as the chain was assembled, see `wheels`."""
+        """Return the wheels of one track at the take-up of the assembled chain, see `wheels`."""
         return self.wheels(self.assembled(shoe, chain).take_up)
 
     def arm_reference(self, shoe: Shoe, chain: Track) -> np.ndarray:
-        """Pivots of the arms (m, global) and their angles (rad) at t = 0: array (tracks * arms, 6)."""
+        """Return the arms' pivots (m, global) and angles (rad) at t = 0: array (tracks * arms, 6)."""
         reference = super().arm_reference(shoe, chain)
         angles = self.arms_lifted(self.assembled(shoe, chain).sunk)[:, 1]
         reference[:, 4] = np.tile(angles, self.tracks)
         return reference
 
     def extent(self, shoe: Shoe, chain: Track) -> tuple[float, float, float]:
-        """X of the frame's rear and front end, and z of the lowest that is above it; m."""
+        """Return x of tumbler and idler, and the least z among tumbler, carriers and slides, m."""
         rear, height = self.tumbler.place
         front = self.idler.place[0] + self.assembled(shoe, chain).take_up
         return rear, front, min([height, *(z for _, z in self.upper.values())])
 
     def shoes_by_strips(self, bends: np.ndarray) -> np.ndarray:
-        """Shoes, from 0, of which every strip of a tread is known: the flexible ones."""
+        """Return the shoes, from 0, with every strip of a tread in a history: the flexible ones."""
         return np.flatnonzero(bends)
 
     def active(self, driven: bool, turned: bool, drawn: bool = False) -> np.ndarray:
-        """Equations of the drive of a frame, and of its turn, that hold: that of a drawbar, array (2,)."""
+        """Return the active constraints of the drive, array (2,): only that of a drawbar."""
         return np.array([driven and drawn, False], dtype=float)
 
     def motors(self, speeds: np.ndarray, chain: Track) -> np.ndarray:
-        """Speeds of the motors (rad/s) at speeds of the tracks (tracks,), m/s; sliding idlers stand still."""
+        """Return the motors' speeds (rad/s) for track speeds (tracks,), m/s; zero for sliding idlers."""
         still = np.zeros(len(self.sliding_idlers))
         return np.concatenate((speeds / self.travel_per_angle(chain), still))
 
     def track_errors(self, shoe: Shoe, chain: Track) -> Errors:
-        """Lines that say what of a shoe with rails, and of the chain, does not fit round the wheels."""
+        """Yield an error for each property of rails and chain that does not fit the wheels."""
         rails = shoe.rails
         assert rails is not None
         if rails.height <= chain.pin_height:
@@ -158,7 +158,7 @@ class Closed(ClosedFrame):
         yield from (f"gear: {error}" for error in self._overlaps(chain, start.take_up))
 
     def _overlaps(self, chain: Track, take_up: float) -> Errors:
-        """Rollers, idler and carriers in each other, or in what of the tumbler is within its gaps."""
+        """Yield an error for each overlap of rollers, idler, carriers and the tumbler inside its gaps."""
         profile = self.tumbler.profile(chain)
         labelled = zip(self.wheel_labels, self.wheels(take_up).tolist(), strict=True)
         wheels = [sizes.Round(label.words, *wheel) for label, wheel in labelled if label.kind != "slide"]
@@ -167,7 +167,7 @@ class Closed(ClosedFrame):
         )
 
     def implausible(self, shoe: Shoe, chain: Track) -> Iterator[str]:
-        """Lines that say what no machine is known to have: inertias, contacts, and teeth of another pitch."""
+        """Yield a warning for each inertia, contact and pitch of teeth that no known machine has."""
         tumbler = self.tumbler
         radius = tumbler.tip_radius(chain.pitch)
         turning = "gear.tumbler", tumbler.mass, tumbler.inertia
@@ -180,7 +180,7 @@ class Closed(ClosedFrame):
         yield from odd_rails(shoe, chain, self.roller_radius)
 
     def _odd_contacts(self, shoe: Shoe, chain: Track) -> Iterator[str]:
-        """Teeth, flanges and the idler's spring that give way as those of no machine."""
+        """Yield a warning for implausible deflection or damping of teeth, flanges and the idler's spring."""
         tumbler = self.tumbler
         weight = self.carried_mass * GRAVITY / self.tracks
         pull = 0.5 * PULL * weight
@@ -202,7 +202,7 @@ class Closed(ClosedFrame):
             yield from idler_spring(f"gear.idler.{kind}", spring, chain.pitch, half)
 
     def _other_pitch(self, chain: Track) -> Iterator[str]:
-        """Tumbler whose pins' circle is of another pitch than the chain's, new or worn."""
+        """Yield a warning if the tumbler's pitch differs from that of the chain, new or worn."""
         pitch = self.tumbler.pitch
         new = chain.pitch
         worn = self.chain_pitch(chain)

@@ -1,4 +1,4 @@
-"""Side frame that a chain is closed round: its parameters, and where its wheels are."""
+"""Side frame of a closed track: its parameters and the positions of its wheels."""
 
 import math
 from typing import Literal
@@ -15,15 +15,15 @@ from exudyn_crawler.settings import fields
 from exudyn_crawler.settings.parameters import Errors, option, quantity
 
 MAKERS_SAG = 0.025
-"""Sag over the free span between idler and carrier that a chain has where no file says more: chosen here."""
+"""Default sag of a chain, fraction of the free span between idler and carrier (chosen here)."""
 DEEPEST = 0.1
-"""Sag over the span of the deepest chain that a search for a pretension starts from."""
+"""Greatest sag from which a search for a pretension starts, fraction of the span."""
 LEAST_SAG, GREATEST_SAG = 0.007, 0.04
-"""The same that makers ask for, least and greatest.
+"""Least and greatest sag that makers ask for, fraction of the span.
 
 They ask for 5 to 15 mm (excavator of 2.7 t) and 10 to 30 mm (of 12 to 21 t; Komatsu PC27MR, PC118MR-8 and
 PC210-11), 50 mm (dozers of Caterpillar), 25 to 63 and 38 to 76 mm (crawler cranes Manitowoc 2250 and 16000).
-Spans stand in none of these texts; 0.7, 1.2, 1.3 and 1.9 m are assumed.
+None of these texts gives the span; 0.7, 1.2, 1.3 and 1.9 m are assumed.
 """
 
 
@@ -101,7 +101,7 @@ class ClosedFrame(RunningGear):
 
     @property
     def upper(self) -> dict[WheelLabel, Wheel]:
-        """X and z of the axes of carriers, and of the lines of slides on which rails rub, m."""
+        """Positions x and z of the carriers' axes and of the slides' contact lines, m, by label."""
         places = {WheelLabel("carrier", number): place for number, place in enumerate(self.carriers, start=1)}
         for number, (rear, front, top) in enumerate(self.slides, start=1):
             x = np.linspace(rear, front, 1 + max(1, math.floor((front - rear) / self.slide_step + 1e-9)))
@@ -112,25 +112,28 @@ class ClosedFrame(RunningGear):
 
     @property
     def resistances(self) -> np.ndarray:
-        """Resistance of the wheels of a track over their normal force: they roll, lines of slides rub."""
+        """Resistance coefficients of a track's wheels: rolling resistance, or friction on lines of slides."""
         rolling = len(self.rollers) + 1 + len(self.carriers)
         rubbing = len(self.upper) - len(self.carriers)
         return np.repeat([self.rolling_resistance, self.slide_friction], [rolling, rubbing])
 
     @property
     def length(self) -> float:
-        """Length along which its wheels stand, without take-up, m."""
+        """Distance of the axes of tumbler and idler without take-up, m."""
         return self.idler.place[0] - self.tumbler.place[0]
 
     def wheels(self, take_up: float) -> np.ndarray:
-        """Lower rollers, idler, carriers, lines of slides: x and z in the frame, radius, (wheels, 3), m."""
+        """Return x and z in the frame, and the radius, of all wheels: array (wheels, 3), m.
+
+        Their order is lower rollers, idler, carriers, lines of slides.
+        """
         x, z = self.idler.place
         rollers = [(place, 0.0, self.roller_radius) for place in self.rollers]
         upper = [(*place, self.carrier_radius) for place in self.upper.values()]
         return np.array([*rollers, (x + take_up, z, self.idler.radius), *upper])
 
     def lugs(self, chain: Track) -> list[tuple[str, np.ndarray]]:
-        """Joint centre that is next to each lug of a shoe on its side, and place (3,), m, of the lug."""
+        """Return for each lug of a shoe the nearest joint centre on its side, and the lug's place (3,), m."""
         lugs = []
         middle = chain.pin_ahead - 0.5 * chain.pitch
         for side in SIDES:
@@ -142,14 +145,14 @@ class ClosedFrame(RunningGear):
 
     @property
     def carried_mass(self) -> float:
-        """Mass on the shoes beside their own, kg: tumblers and idlers on springs are bodies of their own."""
+        """Mass that the shoes carry, without their own, kg; it includes tumblers and sliding idlers."""
         idlers = 0.0 if self.idler.slide is None else self.tracks * self.idler.slide.mass
         return super().carried_mass + self.tracks * self.tumbler.mass + idlers
 
     def first_loads(self, case: Whole) -> np.ndarray:
-        """Loads on the shoes beside their weight at t = 0: array (shoes,), N.
+        """Return the loads on the shoes, without their weight, at t = 0: array (shoes,), N.
 
-        Shoes that do not stand below the rollers hang on the frame, which weighs with them on those that do.
+        Shoes that are not below the rollers hang on the frame; their weight acts on the shoes below it.
         """
         under = self.standing(case)
         weight = case.shoe.mass * case.gravity
@@ -158,38 +161,38 @@ class ClosedFrame(RunningGear):
 
     @property
     def is_set_by_tension(self) -> bool:
-        """True where the place of the idler is what gives the chain its tension at rest."""
+        """True if the chain's tension at rest determines the idler's take-up."""
         return self.idler.is_set_by_tension
 
     @property
     def upper_spans(self) -> np.ndarray:
-        """Distances along x from tumbler to idler, without take-up, by what carries the upper run, m."""
+        """Spans of the upper run along x, from tumbler over its supports to the idler, without take-up, m."""
         supports = [self.tumbler.place[0], *(x for x, _ in self.upper.values()), self.idler.place[0]]
         return np.diff(np.sort(supports))
 
     @property
     def wanted_sag(self) -> float:
-        """Sag (m) of the chain at rest between idler and carrier where no pretension says it."""
+        """Target sag of the chain at rest between idler and carrier if no pretension is given, m."""
         return self.idler.sag or MAKERS_SAG * float(self.upper_spans[-1])
 
     @property
     def sinks(self) -> bool:
-        """True where arms carry all lower rollers, so that a tight chain pulls the frame down on springs."""
+        """True if arms carry all lower rollers, so that a tight chain pulls the frame down on its springs."""
         return {arm.roller for arm in self.arms} == set(range(1, len(self.rollers) + 1))
 
     def arms_lifted(self, height: float) -> np.ndarray:
-        """Return how the arms of a track lift their rollers by a height (m): array (arms, 2).
+        """Return the motion of the arms of a track for a lift of their rollers (m): array (arms, 2).
 
-        The ways of the rollers along x, m, and the angles of the arms about y, rad.
+        The columns are the rollers' displacement along x, m, and the arms' angle about y, rad.
         """
         lifted = [arm.lifted(self.rollers[arm.roller - 1], height) for arm in self.arms]
         return np.reshape(lifted, (len(self.arms), 2))
 
     def estimated_slack(self, shoe: Shoe, chain: Track) -> float:
-        """Way (m) by which the idler stands back from a taut chain, about where the tension gives it.
+        """Return the idler's offset (m) back from its place with a taut chain, estimated from the tension.
 
-        All spans of the upper run hang with one pull H as parabolas: w l^2 / (8 H) deep, and longer than
-        straight by w^2 l^3 / (24 H^2), of which the idler takes half up.
+        All spans l of the upper run hang as parabolas, with the weight w per length and one pull H. Their sag
+        is w l^2 / (8 H), their excess length w^2 l^3 / (24 H^2). The idler takes up half of the excess.
         """
         if self.idler.slack is not None or not self.idler.is_set_by_tension:
             return self.idler.slack or 0.0
@@ -197,14 +200,17 @@ class ClosedFrame(RunningGear):
         hanging = 8.0 * self.wanted_sag / spans[-1] ** 2  # w / H
         if self.idler.pretension is not None:
             weight = shoe.mass * ph4100c.GRAVITY / chain.pitch
-            # of the two runs the upper one pulls harder, by the weight of the chain between them
+            # the upper run has the higher tension, by the weight of the chain between both runs
             apart = 2.0 * self.idler.radius
             hanging = weight / (self.idler.pretension + 0.5 * weight * apart)
             hanging = min(hanging, 8.0 * DEEPEST / float(spans.max()))
         return 0.5 * float(np.sum(spans**3)) * hanging**2 / 24.0
 
     def idler_circle(self, take_up: float, rise: float, pitch: float) -> tuple[Wheel, float]:
-        """Axis of the idler in the frame, and radius of the pins about it, m: rails touch between pins."""
+        """Return the idler's axis in the frame, and the radius of the pins about it, m.
+
+        The rail touches the idler in the middle between two pins.
+        """
         axis = self.idler.place[0] + take_up, self.idler.place[1]
         return axis, math.hypot(self.idler.radius + rise, 0.5 * pitch)
 
@@ -214,9 +220,9 @@ class ClosedFrame(RunningGear):
         return [*super().wheel_labels, WheelLabel("idler"), *self.upper]
 
     def chain_pitch(self, chain: Track) -> float:
-        """Distance of the pins of a shoe, m."""
+        """Return the distance between the pins of a shoe, with wear, m."""
         return chain.pitch * (1.0 + self.pitch_growth)
 
     def travel_per_angle(self, chain: Track) -> float:
-        """Travel of the chain for each radian of the tumbler, m."""
+        """Return the travel of the chain per radian of the tumbler, m/rad."""
         return self.tumbler.shoes_per_turn * self.chain_pitch(chain) / (2.0 * math.pi)

@@ -1,7 +1,7 @@
-"""How far contacts and springs of a gear give way under the machine, and how much they are damped.
+"""Plausible deflection and damping of a gear's contacts and springs under the machine.
 
-Contacts of steel give way by 0.01 to 0.1 mm (Hertz's line contact); those of the cases are softer, so that
-steps need not be shorter than a millisecond. What lies outside of the bounds here is no machine's.
+Steel contacts deflect by 0.01 to 0.1 mm (Hertz's line contact). Contacts of the cases are softer, so that
+steps need not be shorter than a millisecond. No machine is outside the bounds given here.
 """
 
 import math
@@ -15,36 +15,39 @@ from exudyn_crawler.case.ph4100c import GRAVITY
 from exudyn_crawler.settings import fields
 
 _newtons = partial(fields.in_units, units={"GN": 1e9, "MN": 1e6, "kN": 1e3, "N": 1.0})
-SHALLOWEST = 1e-6  # m, that a contact plausibly gives way at least
-TYRE = 0.05  # of a roller's radius: how far its tread plausibly sinks into a rail, with rubber on it
-TOOTH = 0.5  # of a lug's radius: how far it plausibly sinks into a tooth
-PULL = 0.5  # of the weight on a track: its pull on the chain
-SIDEWAYS = 0.3  # of a roller's load, which presses sideways on its flanges
-MOST_DAMPED = 10.0  # of critical: damping beyond which nothing moves
-LEAST_PRESSED = 1e-3  # m, by which the spring of an idler plausibly is pressed at least
-MOST_PRESSED = 5.0  # pitches, at most
-MOST_TURNED = 0.5  # rad, by which the weight plausibly turns a sprung arm from its place
+SHALLOWEST = 1e-6  # m, least plausible penetration of a contact
+TYRE = 0.05  # greatest plausible penetration of a tread, also of rubber, fraction of the roller's radius
+TOOTH = 0.5  # greatest plausible penetration of a lug into a tooth, fraction of the lug's radius
+PULL = 0.5  # pull on the chain, fraction of the weight on its track
+SIDEWAYS = 0.3  # lateral force on a roller's flanges, fraction of the roller's load
+MOST_DAMPED = 10.0  # greatest plausible damping ratio; motion beyond it is negligible
+LEAST_PRESSED = 1e-3  # m, least plausible compression of an idler's spring by its preload
+MOST_PRESSED = 5.0  # greatest plausible compression of an idler's spring, pitches
+MOST_TURNED = 0.5  # rad, greatest plausible rotation of a sprung arm under the weight
 
 
 class LoadedContact(NamedTuple):
-    """Contact whose force is stiffness times depth to the power of an exponent, under a load."""
+    """Contact under a load; its force is stiffness times a power of the depth."""
 
-    path: str  # of the table with its stiffness and damping, and their beginning: "gear." or "gear.guide_"
-    words: str  # what touches what
+    path: str  # text before the keys stiffness and damping: "gear." or "gear.guide_"
+    words: str  # name of the contacting part
     load: float  # N
-    share: str  # which load that is
+    share: str  # description of the load
     stiffness: float  # N/m^exponent
     exponent: float
     damping: float  # N s/m
-    mass: float  # kg that moves against it
+    mass: float  # kg, mass that moves on the contact
 
     @property
     def depth(self) -> float:
-        """Depth (m) under the load."""
+        """Penetration under the load, m."""
         return float((self.load / self.stiffness) ** (1.0 / self.exponent))
 
     def implausible(self, deepest: float, bound: str) -> Iterator[str]:
-        """Lines about a depth beyond the deepest (m), which `bound` says in words, or none, and damping."""
+        """Yield a warning for a depth above `deepest` (m) or near zero, else for too much damping.
+
+        `bound` describes the greatest depth in words.
+        """
         depth = self.depth
         under = f"under {self.share}, {_newtons(self.load)}"
         gives = f"{self.path}stiffness: {self.words} gives way by {depth:.3g} m {under}"
@@ -59,7 +62,7 @@ class LoadedContact(NamedTuple):
 
 
 def over_damped(path: str, damping: float, stiffness: float, mass: float) -> Iterator[str]:
-    """Line about a damping far beyond the critical one, 2 sqrt(k m), of a mass (kg) on a stiffness (N/m)."""
+    """Yield a warning for a damping (N s/m) far above the critical one, 2 sqrt(k m), in N/m and kg."""
     critical = 2.0 * math.sqrt(stiffness * mass)
     if damping > MOST_DAMPED * critical:
         times = f"{damping / critical:.3g} times the critical one of {mass:.4g} kg"
@@ -67,9 +70,9 @@ def over_damped(path: str, damping: float, stiffness: float, mass: float) -> Ite
 
 
 def idler_spring(path: str, spring: Tensioner | Recoil, pitch: float, chain: float) -> Iterator[str]:
-    """Lines about a spring that its preload presses too far, or hardly, and that is damped too much.
+    """Yield a warning for an implausible compression of a spring by its preload, and for its damping.
 
-    With the idler move about half of the shoes, `chain` (kg).
+    `chain` is the mass (kg) of the shoes that move with the idler, about half of them.
     """
     if not spring.preload:
         return
@@ -85,7 +88,10 @@ def idler_spring(path: str, spring: Tensioner | Recoil, pitch: float, chain: flo
 
 
 def arm_spring(path: str, arm: Arm, roller: float, load: float) -> Iterator[str]:
-    """Lines about the spring of an arm whose roller at x (m) carries a load, N."""
+    """Yield a warning for an implausible spring, stop or damper of an arm.
+
+    The `roller` at x (m) carries `load`, N.
+    """
     lever = abs(roller - arm.pivot[0])
     turned = (load * lever - arm.torque) / arm.stiffness
     if abs(turned) > MOST_TURNED:

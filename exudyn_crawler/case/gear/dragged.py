@@ -1,4 +1,4 @@
-"""Dragged: the drive moves a point of the front shoe, and loads on the shoes stand for the machine."""
+"""Dragged gear: the drive moves a point of the front shoe, and loads on the shoes represent the machine."""
 
 from typing import ClassVar, Literal
 
@@ -14,7 +14,7 @@ class Dragged(Gear):
     quantities: ClassVar[frozenset[str]] = frozenset({"dragged"})
 
     def errors(self, case: Whole) -> Errors:
-        """Lines that say what does not fit the rest of the case."""
+        """Yield an error for each contradiction to the rest of the case."""
         if case.drive.slip is not None:
             yield "drive.slip must be none but for closed tracks on the ground, whose drawbar holds it"
         if case.machine is not None:

@@ -1,4 +1,4 @@
-"""Machine: two closed tracks, and between them car body and upper structure."""
+"""Machine gear: two closed tracks, with car body and upper structure between them."""
 
 from collections.abc import Iterator
 from functools import lru_cache
@@ -16,8 +16,8 @@ from exudyn_crawler.case.parameters.drive import Drive
 from exudyn_crawler.case.parameters.track import SIDES, Shoe, Track
 from exudyn_crawler.settings.parameters import Errors, option
 
-UPPER_REACH = 3.0  # crawler's lengths: radius of gyration of an upper structure with its boom, at most
-INSTANTS = 501  # of a drive, between which its way is integrated
+UPPER_REACH = 3.0  # greatest radius of gyration of an upper structure with its boom, lengths of the crawler
+INSTANTS = 501  # number of times for the integration of the travelled path
 
 
 class Machine(Closed):
@@ -37,12 +37,12 @@ class Machine(Closed):
 
     @classmethod
     def of(cls, track: Closed, car_body: CarBody) -> Self:
-        """Machine on two tracks that are equal, each with its own side frame."""
+        """Return a machine on two equal tracks, each with its own side frame."""
         return cls(**_values(track), car_body=car_body)
 
     @classmethod
     def ph4100c(cls) -> Self:
-        """Machine of the P&H 4100C BOSS; `case.ph4100c` marks what is assumed."""
+        """Return the machine of the P&H 4100C BOSS; `case.ph4100c` marks assumed values."""
         half = Closed.ph4100c()
         mass = ph4100c.SIDE_FRAME_MASS
         inertia = tuple(value * mass / half.mass for value in half.inertia)
@@ -50,12 +50,12 @@ class Machine(Closed):
 
     @property
     def single(self) -> Closed:
-        """One of the tracks with its own side frame."""
+        """Gear of a single track with its own side frame."""
         return _single(self)
 
     @property
     def middles(self) -> np.ndarray:
-        """Y of the middles of the tracks in the machine's axes: array (2,), m."""
+        """Lateral positions y of the tracks' middles in the machine's axes: array (2,), m."""
         return np.array(self.car_body.middles)
 
     @property
@@ -81,20 +81,20 @@ class Machine(Closed):
 
     @property
     def holds(self) -> tuple[int, ...]:
-        """Coordinates of the machine that are held: none."""
+        """Coordinates of the machine with a hold: none."""
         return ()
 
     @property
     def tipping(self) -> float:
-        """Distance beside its middle at which a weight tips the machine, m."""
+        """Lateral distance from the middle at which a weight tips the machine, m."""
         return 0.5 * self.car_body.track_distance
 
     def assembled(self, shoe: Shoe, chain: Track) -> Assembled:
-        """Where the chain of the right track starts; `assembly.MisfitError` if it does not close."""
+        """Return the start of the right track; raises `assembly.MisfitError` if its chain does not close."""
         return self.single.assembled(shoe, self.loop(chain))
 
     def way(self, drive: Drive, times: np.ndarray) -> np.ndarray:
-        """Way of the machine's middle, which goes where it heads: array (times, 2), m."""
+        """Return the displacement of the machine's middle, which follows its heading: array (times, 2), m."""
         if drive.turn_rate is None:
             return super().way(drive, times)
         instants = np.linspace(0.0, times, INSTANTS, axis=-1)
@@ -104,7 +104,7 @@ class Machine(Closed):
         return way.T
 
     def errors(self, case: Whole) -> Errors:
-        """Lines that say what does not fit the rest of the case."""
+        """Yield an error for each contradiction to the rest of the case."""
         if (count := case.track.shoe_count) % 2:
             yield f"track.shoe_count must be even with gear.kind 'machine', which has two tracks, got {count}"
         if self.support == "posts":
@@ -116,11 +116,11 @@ class Machine(Closed):
         yield from super().errors(case)
 
     def turn_errors(self, drive: Drive) -> Errors:
-        """Lines that refuse a turn: two tracks take any."""
+        """Yield no error: two tracks can turn."""
         yield from ()
 
     def implausible(self, shoe: Shoe, chain: Track) -> Iterator[str]:
-        """Lines that say what no machine is known to have."""
+        """Yield a warning for each value that no known machine has."""
         yield from super().implausible(shoe, chain)
         body = self.car_body
         upper = "gear.car_body, upper structure", body.upper_mass, body.upper_inertia
@@ -132,7 +132,7 @@ class Machine(Closed):
             yield from sizes.far_inertia(*part, reach)
 
     def track_errors(self, shoe: Shoe, chain: Track) -> Errors:
-        """Lines that say what of a shoe with rails, and of a chain, does not fit round one track's wheels."""
+        """Yield an error for each property of rails and chain that does not fit the wheels of one track."""
         yield from self.single.track_errors(shoe, chain)
 
 
@@ -142,10 +142,10 @@ def _single(machine: Machine) -> Closed:
 
 
 def _values(track: Closed) -> dict[str, Any]:
-    """Values of a closed track but for its kind."""
+    """Return the values of a closed track without its kind."""
     return {name: getattr(track, name) for name in Closed.model_fields if name != "kind"}
 
 
 def _beside(names: tuple[str, ...]) -> tuple[str, ...]:
-    """Names of one track for the right one, then for the left one."""
+    """Return the names of one track's bodies for the right track, then for the left one."""
     return tuple(f"{side} {name}" for side in SIDES for name in names)

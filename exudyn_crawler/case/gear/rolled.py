@@ -1,4 +1,4 @@
-"""Rolled: a side frame rolls over shoes that lie on the ground before it."""
+"""Rolled gear: a side frame rolls over the shoes of an open chain on the ground."""
 
 import math
 from collections.abc import Iterator
@@ -17,7 +17,7 @@ from exudyn_crawler.settings import fields
 from exudyn_crawler.settings.parameters import Errors, option, quantity
 
 MARGIN = 4.0  # m of ground ahead of the track
-FEWEST_SHOES = 4  # two links that the tumbler pulls lie between them
+FEWEST_SHOES = 4  # the tumbler pulls two links between them
 
 
 class Rolled(base.PH4100C, RunningGear, values=ph4100c.UNDERCARRIAGE):
@@ -52,38 +52,38 @@ class Rolled(base.PH4100C, RunningGear, values=ph4100c.UNDERCARRIAGE):
             yield f"tumbler must be within the frame's ends {self.ends}, got {self.tumbler}"
 
     def first_wheels(self, shoe: Shoe, chain: Track) -> np.ndarray:
-        """X and z in the frame and radius of the wheels at t = 0: array (wheels, 3), m."""
+        """Return x and z in the frame, and the radius, of the wheels at t = 0: array (wheels, 3), m."""
         return np.array([(x, 0.0, self.radius) for x in self.rollers])
 
     def extent(self, shoe: Shoe, chain: Track) -> tuple[float, float, float]:
-        """X of the frame's rear and front end, and z of the lowest that is above it; m."""
+        """Return x of the frame's rear and front end, m, and infinity: no wheel is above the rollers."""
         return (*self.ends, math.inf)
 
     def frame_start(self, shoe: Shoe, chain: Track) -> np.ndarray:
-        """Origin of the side frame at t = 0, on rails that have not settled: array (3,), m."""
+        """Return the origin of the side frame at t = 0, on rails that have not settled: array (3,), m."""
         rails = shoe.rails
         assert rails is not None
         height = shoe.com_height + rails.height + self.radius
         return np.array([self.start, chain.first_com[1], height])
 
     def way(self, drive: Drive, times: np.ndarray) -> np.ndarray:
-        """Way of the track's middle: the shoes stand."""
+        """Return the displacement of the track's middle (times, 2), m: zero, since the shoes stand still."""
         return np.zeros((len(times), 2))
 
     def implausible(self, shoe: Shoe, chain: Track) -> Iterator[str]:
-        """Lines that say what no machine is known to have: inertias, treads, and gaps of the rails."""
+        """Yield a warning for each inertia, tread and gap of the rails that no known machine has."""
         yield from super().implausible(shoe, chain)
         yield from self.odd_treads(self.radius)
         yield from odd_rails(shoe, chain, self.radius)
 
     def wrenches(self, machine: np.ndarray) -> np.ndarray:
-        """Forces and moments beside those on shoes (n, 6): machine, and tension of the chain's ends."""
+        """Return the wrenches of the machine and of the chain's end tension: array (3, 6), N and N m."""
         ends = np.zeros((2, 6))
         ends[:, 0] = -self.end_tension, self.end_tension
         return np.vstack((machine, ends))
 
     def track_errors(self, shoe: Shoe, chain: Track) -> Errors:
-        """Lines that say what of shoes with rails, and of the track, a side frame could not roll over."""
+        """Yield an error for each property of rails and track that a side frame cannot roll over."""
         rails = shoe.rails
         assert rails is not None
         gap = chain.pitch - (rails.front - rails.rear)
@@ -94,12 +94,12 @@ class Rolled(base.PH4100C, RunningGear, values=ph4100c.UNDERCARRIAGE):
             yield f"track.shoe_count must be at least {FEWEST_SHOES} with gear.kind 'rolled', got {count}"
 
     def shares_of_links(self, ahead: np.typing.ArrayLike, links: int, pitch: float) -> np.ndarray:
-        """Shares of the links in a tumbler's pull `ahead` (m) of link 1's pins: array (times, links)."""
+        """Return the links' shares of the pull of a tumbler `ahead` (m) of link 1's pins: (times, links)."""
         place = np.asarray(ahead, dtype=float)[..., None] / pitch
         return np.clip(1.0 - np.abs(place - np.arange(links)), 0.0, None)
 
     def reach_errors(self, chain: Track, travel: float, time: float) -> Errors:
-        """Lines that say which of rollers and tumbler are off the track after a travel (m), at a time (s)."""
+        """Yield an error if outer roller or tumbler is off the track after a travel (m), at a time (s)."""
         first = chain.first_com[0]
         last = first + (chain.shoe_count - 1) * chain.pitch
         rear_pin = first + chain.pin_ahead
@@ -117,6 +117,6 @@ class Rolled(base.PH4100C, RunningGear, values=ph4100c.UNDERCARRIAGE):
 
 
 def ground_below(chain: Track, units: Terrain) -> Terrain:
-    """Terrain with as many units along x as a track of any length needs."""
+    """Return the terrain with as many units along x as the track needs."""
     end = chain.first_com[0] + chain.shoe_count * chain.pitch + MARGIN
     return units.with_(columns=math.ceil((end - units.origin[0]) / units.unit_length))

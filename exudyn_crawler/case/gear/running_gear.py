@@ -19,8 +19,8 @@ from exudyn_crawler.settings.parameters import Errors, Parameters, option, quant
 
 ACROSS = (1, 5)
 """Coordinates of a side frame across the track: y and yaw."""
-WIDEST_GAP = 0.5  # of a radius of a roller, which drops by 3 % of it into such a gap of the rails
-FARTHEST_RAILS = 0.02  # of the width of a shoe: how far the middle of its rails may be beside its middle
+WIDEST_GAP = 0.5  # greatest gap of the rails, fraction of a roller's radius; the roller drops by 3 % of it
+FARTHEST_RAILS = 0.02  # greatest offset of the rails' middle from the shoe's, fraction of the shoe's width
 TIPPING = 0.24  # m, from the middle of the track to that of a rail of the P&H 4100C
 
 
@@ -73,12 +73,12 @@ class RunningGear(Gear):
 
     @property
     def parts(self) -> tuple[str, ...]:
-        """Files of `model.parts` that its machine is made of, in the order of their bodies."""
+        """Files of `model.parts` that build the gear, in the order of their bodies."""
         return (*super().parts, "frame", *self.chain_parts, "bogie", "arm")
 
     @property
     def bodies(self) -> tuple[str, ...]:
-        """Names of the bodies beside the shoes: the side frame, then what turns in it."""
+        """Names of the bodies other than shoes: the side frame, then the bodies that move in it."""
         return (SIDE_FRAME, *self.tumblers, *self.sliding_idlers, *self.bogie_names, *self.arm_names)
 
     @property
@@ -88,11 +88,11 @@ class RunningGear(Gear):
 
     @property
     def arm_names(self) -> tuple[str, ...]:
-        """Names of the arms, track by track, as they are listed."""
+        """Names of the arms, track by track, in the order of `arms`."""
         return self._numbered("arm", len(self.arms))
 
     def _numbered(self, part: str, count: int) -> tuple[str, ...]:
-        """Names of parts of which every track has so many."""
+        """Return the names of parts, `count` of them on each track."""
         tracks = [""] if self.tracks == 1 else [f"{side} " for side in SIDES]
         return tuple(f"{track}{part} {number}" for track in tracks for number in range(1, count + 1))
 
@@ -113,34 +113,34 @@ class RunningGear(Gear):
 
     @property
     def holds(self) -> tuple[int, ...]:
-        """Coordinates of the side frame that are held."""
+        """Coordinates of the side frame with a hold."""
         return ACROSS
 
     @property
     def tipping(self) -> float:
-        """Distance beside its middle at which a weight tips the frame, m."""
+        """Lateral distance from the middle at which a weight tips the frame, m."""
         return TIPPING
 
     @property
     def length(self) -> float:
-        """Length along which its wheels stand, m."""
+        """Distance of the outer lower rollers, m."""
         return self.rollers[-1] - self.rollers[0]
 
     @property
     def strip_places(self) -> np.ndarray:
-        """Y of the strips' middles beside that of their tread: array (strips,), m."""
-        # two resist tilting at the Gauss points as an evenly spread contact does
+        """Lateral positions y of the strips' middles from that of their tread: array (strips,), m."""
+        # two strips at the Gauss points resist tilting as an even contact over the width does
         points, _ = np.polynomial.legendre.leggauss(self.strips)
         return 0.5 * self.tread_width * points
 
     @property
     def resistances(self) -> np.ndarray:
-        """Resistance of the wheels of a track over their normal force: they roll; array (wheels,)."""
+        """Rolling resistance coefficients of a track's wheels: array (wheels,)."""
         return np.full(len(self.rollers), self.rolling_resistance)
 
     @property
     def flange(self) -> tuple[float, float, float]:
-        """Play (m), stiffness (N/m) and damping (N s/m) of the flanges of a wheel; it has none."""
+        """Play (m), stiffness (N/m) and damping (N s/m) of the flanges of a wheel; zeros: no flanges."""
         return 0.0, 0.0, 0.0
 
     @property
@@ -150,19 +150,19 @@ class RunningGear(Gear):
 
     @property
     def slide_places(self) -> tuple[base.Three, ...]:
-        """X of rear and front end, z of the top of slides, m."""
+        """Slides: x of rear and front end, z of the top, m."""
         return ()
 
     def frame_start(self, shoe: Shoe, chain: Track) -> np.ndarray:
-        """Origin of the side frame, or the machine, at t = 0, on rails that have not settled: (3,), m."""
+        """Return the origin of side frame or machine at t = 0, on rails that have not settled: (3,), m."""
         raise NotImplementedError
 
     def bogie_reference(self, shoe: Shoe, chain: Track) -> np.ndarray:
-        """Pivots of the bogies (m, global) and their angles (rad) at t = 0: array (tracks * bogies, 6)."""
+        """Return the bogies' pivots (m, global) and angles (rad) at t = 0: array (tracks * bogies, 6)."""
         return self._pivots([bogie.pivot for bogie in self.bogies], shoe, chain)
 
     def arm_reference(self, shoe: Shoe, chain: Track) -> np.ndarray:
-        """Pivots of the arms (m, global) and their angles (rad) at t = 0: array (tracks * arms, 6)."""
+        """Return the arms' pivots (m, global) and angles (rad) at t = 0: array (tracks * arms, 6)."""
         return self._pivots([arm.pivot for arm in self.arms], shoe, chain)
 
     def _pivots(self, places: Sequence[base.Two], shoe: Shoe, chain: Track) -> np.ndarray:
@@ -173,26 +173,26 @@ class RunningGear(Gear):
         return reference
 
     def first_wheels(self, shoe: Shoe, chain: Track) -> np.ndarray:
-        """X and z in the frame and radius of the wheels of one track at t = 0: array (wheels, 3), m."""
+        """Return x and z in the frame, and radius, of one track's wheels at t = 0: array (wheels, 3), m."""
         raise NotImplementedError
 
     def extent(self, shoe: Shoe, chain: Track) -> tuple[float, float, float]:
-        """X of the frame's rear and front end, and z of the lowest that is above it; m."""
+        """Return x of the frame's rear and front end, and z of the lowest wheel above its rollers, m."""
         raise NotImplementedError
 
     def wrenches(self, machine: np.ndarray) -> np.ndarray:
-        """Forces and moments beside those on shoes: array (n, 6), N and N m; the machine's (6,) first."""
+        """Return the wrenches other than those on shoes: array (n, 6), N and N m; `machine` (6,) is first."""
         return machine[None]
 
     @property
     def carried_mass(self) -> float:
-        """Mass on the shoes beside their own, kg."""
+        """Mass that the shoes carry, without their own, kg."""
         bogies = self.tracks * sum(bogie.mass for bogie in self.bogies)
         arms = self.tracks * sum(arm.mass for arm in self.arms)
         return bogies + sum(part.mass for part in self.frame_parts) + arms
 
     def standing(self, case: Whole) -> np.ndarray:
-        """True for shoes below the outer rollers or between them: array (shoes,)."""
+        """Return True for shoes below the outer rollers or between them: array (shoes,)."""
         start = self.frame_start(case.shoe, case.track)
         half = 0.5 * case.track.pitch
         coms = self.shoe_reference(case.shoe, case.track)
@@ -202,15 +202,15 @@ class RunningGear(Gear):
         return within & (coms[:, 2] < start[2])
 
     def first_loads(self, case: Whole) -> np.ndarray:
-        """Loads on the shoes beside their weight at t = 0: array (shoes,), N.
+        """Return the loads on the shoes, without their weight, at t = 0: array (shoes,), N.
 
-        What the shoes carry weighs evenly on those that stand below it.
+        The carried mass acts evenly on the shoes below it.
         """
         under = self.standing(case)
         return super().first_loads(case) + under * self.carried_mass * case.gravity / max(1, under.sum())
 
     def errors(self, case: Whole) -> Errors:
-        """Lines that say what does not fit the rest of the case."""
+        """Yield an error for each contradiction to the rest of the case."""
         kind = f"gear.kind {self.kind!r}"
         if not case.is_compiled:
             refused = "contact.model 'spheres' and terrain_formulation 'constrained'"
@@ -236,7 +236,7 @@ class RunningGear(Gear):
             yield from case.machine.balance_errors(self.frame_parts, self.rollers, self.tipping, gravity)
 
     def _bogie_errors(self) -> Errors:
-        """Bogies whose rollers are not there or are another's, or that stand on one side of their pivot."""
+        """Yield an error for each bogie with missing or shared rollers, or with a pivot not between them."""
         carrier: dict[int, int] = {}
         for number, bogie in enumerate(self.bogies):
             name = f"gear.bogies[{number}]"
@@ -254,7 +254,7 @@ class RunningGear(Gear):
                 yield f"{name}.pivot must be {between}, got {list(bogie.pivot)}"
 
     def implausible(self, shoe: Shoe, chain: Track) -> Iterator[str]:
-        """Lines that say what no machine is known to have: an inertia that does not go with the mass."""
+        """Yield a warning for each inertia that does not fit its mass."""
         yield from sizes.thin_inertia("gear", self.mass, self.inertia)
         yield from sizes.far_inertia("gear", self.mass, self.inertia, self.length)
         for number, bogie in enumerate(self.bogies):
@@ -267,11 +267,11 @@ class RunningGear(Gear):
 
     @property
     def roller_load(self) -> float:
-        """Even share of a lower roller in the weight on the shoes, N."""
+        """Load of a lower roller for an even distribution of the carried weight, N."""
         return self.carried_mass * GRAVITY / (self.tracks * len(self.rollers))
 
     def odd_treads(self, radius: float) -> Iterator[str]:
-        """Lines about treads of rollers of a radius (m), and arms, that give way as those of no machine."""
+        """Yield a warning for an implausible deflection or damping of treads of a radius (m), and of arms."""
         load = self.roller_load
         words = "a roller's tread"
         share = "half of its even share of the weight"
@@ -282,24 +282,24 @@ class RunningGear(Gear):
             yield from arm_spring(f"gear.arms[{number}]", arm, self.rollers[arm.roller - 1], load)
 
     def turn_errors(self, drive: Drive) -> Errors:
-        """Lines that refuse a turn of a single track."""
+        """Yield an error for a turn of a single track."""
         if drive.turn_rate is not None:
             yield f"drive.turn_rate must be None with gear.kind {self.kind!r}: one track does not turn"
 
     def track_errors(self, shoe: Shoe, chain: Track) -> Errors:
-        """Lines that say what of a shoe with rails, and of the chain of one track, does not fit."""
+        """Yield an error for each property of rails and of one track's chain that does not fit the gear."""
         yield from ()
 
 
 def overlap_errors(wheels: str, places: Sequence[float], radius: float) -> Errors:
-    """Wheels at places (x, m) that are nearer to each other than their diameter."""
+    """Yield an error if wheels at `places` (x, m) are out of order or less than a diameter apart."""
     if np.any(np.diff(places) < 2.0 * radius):
         got = fields.shown(list(places))
         yield f"{wheels} must stand in order and a diameter {2.0 * radius:g} m apart, got {got}"
 
 
 def odd_rails(shoe: Shoe, chain: Track, radius: float) -> Iterator[str]:
-    """Lines about rails beside the shoe's middle, and gaps that rollers of a radius (m) would drop into."""
+    """Yield a warning for rails off the shoe's middle, and for gaps too wide for rollers of a radius (m)."""
     if shoe.rails is None:
         return
     beside = 0.5 * (shoe.rails.left + shoe.rails.right) - shoe.underside_center[1]
