@@ -1,7 +1,7 @@
-"""Layouts of rows of numbers: what stands in which columns, said once by a named tuple.
+"""Layouts of rows of numbers: a named tuple says once which columns each quantity takes.
 
-A layout is a named tuple of the first column of each quantity. Its annotations say how many columns each
-takes; compiled code reads the columns by name as it reads any constant.
+A layout is a named tuple of the first column of each quantity. Its annotations give the number of columns of
+each; compiled code reads the columns by name like any constant.
 """
 
 from typing import Annotated, NamedTuple, TypeVar, get_type_hints
@@ -11,24 +11,24 @@ Pair = Annotated[int, 2]
 Triple = Annotated[int, 3]
 Quadruple = Annotated[int, 4]
 Matrix = Annotated[int, 9]
-"""First column of a quantity with so many columns."""
+"""First column of a quantity with 1, 2, 3, 4 or 9 columns."""
 
 Layout = TypeVar("Layout", bound=NamedTuple)
 
 
 def widths_of(kind: type[NamedTuple]) -> dict[str, int]:
-    """Columns that each quantity of a layout takes."""
+    """Return the number of columns of each quantity of a layout."""
     hints = get_type_hints(kind, include_extras=True)
     return {name: hint.__metadata__[0] for name, hint in hints.items()}
 
 
 def width_of(kind: type[NamedTuple]) -> int:
-    """Columns of a layout."""
+    """Return the number of columns of a layout."""
     return sum(widths_of(kind).values())
 
 
 def columns_of(kind: type[Layout]) -> Layout:
-    """First columns of a layout, one quantity after the other."""
+    """Return the first columns of a layout, its quantities one after the other."""
     firsts = []
     end = 0
     for width in widths_of(kind).values():
@@ -38,7 +38,7 @@ def columns_of(kind: type[Layout]) -> Layout:
 
 
 def places_of(kind: type[NamedTuple]) -> dict[str, int | slice]:
-    """Column of each quantity of a layout by its name, or slice where it takes several."""
+    """Return the column of each quantity of a layout by its name; a slice for several columns."""
     widths = widths_of(kind)
     firsts = columns_of(kind)
     return {

@@ -1,11 +1,12 @@
-"""Decorators of compiled functions; their names say who may call what they make.
+"""Decorators of compiled functions; each name says which callers are allowed.
 
-A `kernel` Python may call, an `inner` function compiled callers alone, an `inlined` one is made part of each
-of its callers. All divide by zero as IEEE says, in place of an exception, and take sums in their order: where
-the compiler may choose, processes that compile apart from each other get other last digits.
+Python may call a `kernel`; only compiled functions may call an `inner` function; an `inlined` function
+becomes part of each of its callers. All divide by zero as IEEE 754 says, without an exception, and keep the
+order of sums. If the compiler chose the order, processes that compile separately would differ in the last
+digits.
 
-Every literal integer among a call's arguments compiles a function once more, so that counts that are handed
-on start as ``np.int64(0)``.
+Every literal integer among a call's arguments compiles a function once more. Counts that are passed on
+therefore start as ``np.int64(0)``.
 """
 
 from collections.abc import Callable
@@ -18,14 +19,15 @@ from exudyn_crawler.ground.linking import LinkedCompiler
 from fem.compiling import compiler
 
 kernel = compiler(error_model="numpy")
-"""Compiles a function that Python may call."""
+"""Decorator of a function that Python may call."""
 
 inlined = compiler(error_model="numpy", inline="always")
-"""Compiles a function within its callers alone: it gives a view, or one or two functions call it."""
+"""Decorator of a function that is compiled only within its callers: it returns a view or has one or two
+callers."""
 
 
 class CompiledOnly:
-    """Function for compiled callers, who find its dispatcher; to Python it is an error."""
+    """Function for compiled callers, which find its dispatcher; a call from Python is an error."""
 
     def __init__(self, dispatcher: Any) -> None:
         update_wrapper(self, dispatcher.py_func)
@@ -38,16 +40,16 @@ class CompiledOnly:
         return self._dispatcher._numba_type_
 
     def __call__(self, *arguments: Any, **named: Any) -> Any:
-        """Refuse a call: without what Python would need for it the process would end."""
+        """Raise `TypeError`: without the wrapper for Python a call would end the process."""
         raise TypeError(f"{self.py_func.__name__} is for compiled callers alone; Python calls a kernel")
 
 
 def inner(function: Callable | None = None, *, allocates: bool = False, merged: bool = False) -> Any:
     """Compile a function for compiled callers alone, as part of each kernel that calls it (`linking`).
 
-    Without `allocates` there are no counts of references to arrays, which took a tenth of a step: such a
-    function makes no array, gives none back, not even a view, and calls none that gives one back. One that is
-    `merged` is made part of its callers, where handing over tables would take longer than what it does.
+    Without `allocates` numba does not count references to arrays, which took a tenth of a step. Such a
+    function makes no array, returns none, not even a view, and calls no function that returns one. A `merged`
+    function becomes part of its callers, because passing tables would take longer than the function itself.
     """
 
     def compile_inner(function: Callable) -> CompiledOnly:

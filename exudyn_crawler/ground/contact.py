@@ -1,4 +1,4 @@
-"""Contact between shoes and ground: what every model of it does, that of pairs, and the choice of one."""
+"""Contact between shoes and ground: the interface of its models, the model of pairs, choice of a model."""
 
 from collections.abc import Sequence
 
@@ -14,7 +14,7 @@ from fem.body.rectangle_motion import Underside
 
 
 def pair_law(law: PairContact, underside_area: float) -> pairs.PairLaw:
-    """Law of a pair; `underside_area` (m2) is that of a shoe."""
+    """Return the law of a pair; `underside_area` (m2) is that of a shoe."""
     return pairs.PairLaw(
         laws.Impact(law.stiffness, law.exponent, law.damping, law.damping_depth),
         laws.Coulomb(law.static_friction, law.dynamic_friction, law.stiction_speed, law.friction_speed),
@@ -26,16 +26,16 @@ def pair_law(law: PairContact, underside_area: float) -> pairs.PairLaw:
 
 
 STATES_AT_ONCE = 64
-"""Of which contacts are found in one call: Python takes as long for a call as the contacts of a state."""
+"""Number of states whose contacts are found in one call, so that the overhead of the call does not matter."""
 
 
 class PairGroundContact:
-    """Contact by one contact for every pair of a shoe and a unit; a `GroundContact`.
+    """Model with one contact for every pair of a shoe and a unit; a `GroundContact`.
 
-    `reference` (shoes, 6) are positions of the COMs (m, global) and angles (rad) of the shoes where their
-    coordinates are zero, and `unit_reference` (units, 4) centres (m) and tilts of the units with the springs
-    free. Shoes of these indices (from 0) are flexible, by the integrated modes of their underside; they need
-    terrain by its independent coordinates.
+    `reference` (shoes, 6) holds the positions of the COMs (m, global) and the angles (rad) of the shoes at
+    zero coordinates. `unit_reference` (units, 4) holds the centres (m) and tilts (rad) of the units with
+    unloaded springs. The shoes `flexible_shoes` (indices from 0) bend by the integrated modes of their
+    `underside`; they need a terrain in its independent coordinates.
     """
 
     def __init__(
@@ -77,7 +77,7 @@ class PairGroundContact:
         self.size = reference.size + coordinates.size + len(flexible_shoes) * modes
 
     def bodies_at(self, q: np.ndarray, q_t: np.ndarray) -> BodyStates:
-        """Places of all bodies at generalized coordinates (..., size) and their rates, for kernels."""
+        """Return the poses of all bodies at coordinates (..., size) and their rates, for kernels."""
         shoes = self.shoe_reference.size
         modes = shoes + self.coordinates.size
         before = q.shape[:-1]
@@ -93,14 +93,14 @@ class PairGroundContact:
         )
 
     def _touching(self, bodies: BodyStates) -> tuple[np.ndarray, np.ndarray]:
-        """Contacts (contacts, RESULTS), and how modes move their patches (contacts, 3, modes)."""
+        """Return contacts (contacts, RESULTS) and their patches' motions by modes (contacts, 3, modes)."""
         count = pair_stiffness.touching_pairs(
             bodies, self.geometry, NO_DERIVATIVES, self._contacts, self._work
         )
         return self._contacts.results[:count], self._contacts.modes[:count]
 
     def forces(self, q: np.ndarray, q_t: np.ndarray) -> np.ndarray:
-        """Generalized contact forces: array (size,)."""
+        """Return the generalized contact forces: array (size,)."""
         bodies = self.bodies_at(q, q_t)
         rows, modes = self._touching(bodies)
         shoe = rows[:, pairs.RESULT["shoe"]].astype(int)
@@ -126,9 +126,9 @@ class PairGroundContact:
     def results(
         self, q: np.ndarray, q_t: np.ndarray, wrenches: np.ndarray | None = None
     ) -> tuple[np.ndarray, np.ndarray]:
-        """Contacts at states; see `GroundContact`.
+        """Return the contacts at states; see `GroundContact`.
 
-        `wrenches` are not needed: the forces in motion are these.
+        `wrenches` are not needed: this model computes the forces of the simulation from the state.
         """
         counts = np.zeros(len(q), dtype=int)
         parts = [np.zeros((0, pairs.RESULTS))]
@@ -142,29 +142,30 @@ class PairGroundContact:
             has = np.arange(self.greatest_count) < counts[states, None]
             parts.append(rows[has])
         results = np.concatenate(parts)
-        # strips of an underside, and one with holes, have their places in the rectangle that is met
+        # an underside of strips or with holes covers only a share of its rectangle
         results[:, pairs.RESULT["area"]] *= self._ground_share
         return results, counts
 
     def surface(self, x: np.ndarray) -> np.ndarray:
-        """Height (m) of the ground along the track's middle at places x (m), with the springs free."""
+        """Return the ground's height (m) along the track's middle at x (m), with unloaded springs."""
         return self._terrain.surface(x)
 
 
 GroundContact = PairGroundContact | sphere_contact.SphereGroundContact | CellGroundContact
-"""Contacts between all shoes and the ground, read off a state: which there are, and the ground's `surface`.
+"""Contacts between all shoes and the ground at a state, and the height of the ground, `surface`.
 
-The coordinates q, with rates q_t: six a shoe (COM displacement from `shoe_reference` and angles), the
-terrain's as `coordinates` has them, the flexible shoes' modes. `results` takes states (times, size), with a
-third argument (times, ...) where they store what does not follow from these. It gives the contacts of all
-times, one after the other (contacts, RESULTS), with columns as in `pairs.RESULT`, and their numbers (times,).
+The coordinates q, with rates q_t, are: six for each shoe (COM displacement from `shoe_reference` and angles),
+those of the terrain in the order of `coordinates`, and the modes of the flexible shoes. `results` takes
+states (times, size) and a third argument (times, ...) if the model stores values that do not follow from the
+state. It returns the contacts of all times, one after the other (contacts, RESULTS), with columns as in
+`pairs.RESULT`, and their numbers (times,).
 """
 
 
 def ground_contact(
     case: Case, underside: Underside | None = None, flexible_shoes: Sequence[int] = ()
 ) -> GroundContact:
-    """Contact of a case by the model that it names; flexible shoes as for `PairGroundContact`."""
+    """Return the contact of a case by the case's model; flexible shoes as for `PairGroundContact`."""
     if isinstance(case.terrain, CellTerrain):
         return CellGroundContact(case)
     coordinates = terrain_coordinates(case)

@@ -1,6 +1,6 @@
 """Laws of contact: pure functions of numbers.
 
-They are compiled, so that the contact of a whole track costs microseconds; plain Python can call them, too.
+They are compiled, so that the contact of a whole track costs microseconds; Python can call them, too.
 """
 
 import math
@@ -12,7 +12,7 @@ from exudyn_crawler.ground.compiled import kernel
 class Impact(NamedTuple):
     """Parameters of IMPACT: `stiffness` k (N/m**exponent), `exponent` e, `damping` c_max (N s/m).
 
-    The damping grows with STEP from zero at the surface to all of it at `damping_depth` d (m).
+    The damping rises with STEP from zero at the surface to c_max at `damping_depth` d (m).
     """
 
     stiffness: float
@@ -32,9 +32,9 @@ class Coulomb(NamedTuple):
 
 @kernel
 def step(x: float, x0: float, h0: float, x1: float, h1: float) -> float:
-    """Cubic step from `h0` at `x0` to `h1` at `x1`, constant outside (ADAMS/Solver STEP).
+    """Return the cubic step from `h0` at `x0` to `h1` at `x1`, constant outside (ADAMS/Solver STEP).
 
-    Between the two ends ``h0 + (h1 - h0) d**2 (3 - 2 d)`` with ``d = (x - x0) / (x1 - x0)``.
+    Between the ends it is ``h0 + (h1 - h0) d**2 (3 - 2 d)`` with ``d = (x - x0) / (x1 - x0)``.
     """
     if x <= x0:
         return h0
@@ -46,10 +46,10 @@ def step(x: float, x0: float, h0: float, x1: float, h1: float) -> float:
 
 @kernel
 def impact_force(law: Impact, penetration: float, penetration_rate: float) -> float:
-    """Normal contact force (N) of the ADAMS IMPACT law (F-paper, contact section).
+    """Return the normal contact force (N) of the ADAMS IMPACT law (F-paper, contact section).
 
-    Of a penetration (m), without which there is none, and its rate (m/s), positive while the bodies approach.
-    Never negative: damping does not pull the bodies together.
+    The penetration is in m; the force is zero unless it is positive. Its rate (m/s) is positive while the
+    bodies approach. The force is never negative: damping does not pull the bodies together.
     """
     if penetration <= 0.0:
         return 0.0
@@ -63,12 +63,12 @@ def impact_force(law: Impact, penetration: float, penetration_rate: float) -> fl
 
 @kernel
 def friction_per_slip(law: Coulomb, slip_speed: float) -> float:
-    """Coefficient of friction of the ADAMS Coulomb curve over the slip speed (s/m; F-paper).
+    """Return the ADAMS Coulomb coefficient of friction divided by the slip speed (s/m; F-paper).
 
     The coefficient rises with STEP from zero to mu_s at V_st, falls to mu_d at V_d and stays there: there is
     no true sticking. ADAMS writes the rise as ``STEP(v, -V_st, -1, V_st, 1)``, an odd function of v. The
-    friction force is this times the normal force times the negative slip velocity, without a direction to
-    divide by. The limit at zero is ``1.5 mu_s / V_st``.
+    friction force is this value times the normal force times the negative slip velocity, so that no direction
+    has to be normalized. The limit at zero is ``1.5 mu_s / V_st``.
     """
     if slip_speed < law.stiction_speed:
         # STEP(v; -V_st, -1, V_st, 1) = r (3 - r**2) / 2 with r = v / V_st
@@ -79,11 +79,11 @@ def friction_per_slip(law: Coulomb, slip_speed: float) -> float:
 
 @kernel
 def friction_torque(law: Coulomb, spin: float, area: float, friction_force: float) -> float:
-    """Friction torque (N m) about the contact normal, against the relative spin (rad/s; F-paper).
+    """Return the friction torque (N m) about the contact normal, against the relative spin (rad/s; F-paper).
 
-    ``T = (2/3) R F_T`` of the radius R of the circle with the area of contact (m2) and the tangential force
-    (N), turned with the spin by the same odd STEP of the rim speed ``R * spin`` that turns the friction force
-    with the slip, so that it passes through zero smoothly.
+    Its magnitude is ``T = (2/3) R F_T``: R is the radius of the circle with the contact area (m2), F_T the
+    tangential force (N). The odd STEP of the friction curve gives the sign, here as a function of the rim
+    speed ``R * spin``, so that the torque passes through zero smoothly.
     """
     radius = math.sqrt(area / math.pi)
     direction = step(radius * spin, -law.stiction_speed, -1.0, law.stiction_speed, 1.0)

@@ -1,7 +1,7 @@
 """Compile functions as parts of their callers: types and code are found once, machine code within a kernel.
 
-numba optimizes a function with all that it calls, and makes machine code of it, before its caller takes the
-same code once more: what lies five calls deep it would optimize five times.
+numba optimizes a function with all its callees and makes machine code of it before the caller takes the same
+code again. A function five calls deep would be optimized five times.
 """
 
 from typing import Any
@@ -14,10 +14,10 @@ from numba.core.typed_passes import NativeLowering
 
 
 class LinkedCode(JITCodeLibrary):
-    """Code of a function with all that it calls, neither optimized nor made to machine code."""
+    """Code of a function with all its callees, neither optimized nor compiled to machine code."""
 
     def _optimize_final_module(self) -> None:
-        """Leave it to the kernel."""
+        """Leave the optimization to the kernel."""
 
     def _finalize_final_module(self) -> None:
         self._finalized = True
@@ -25,7 +25,7 @@ class LinkedCode(JITCodeLibrary):
 
 @register_pass(mutates_CFG=False, analysis_only=False)
 class _Offer(LoweringPass):
-    """Let callers find code that has no address: numba's tables know it by an entry that leads nowhere."""
+    """Pass that lets callers find code without an address: numba's tables know it by an empty entry."""
 
     _name = "offer"
 
@@ -42,10 +42,10 @@ class _Offer(LoweringPass):
 
 
 class LinkedCompiler(CompilerBase):
-    """Compiler of such functions, for `numba.njit(pipeline_class=...)`."""
+    """Compiler of linked functions, for `numba.njit(pipeline_class=...)`."""
 
     def define_pipelines(self) -> list[PassManager]:
-        """Passes of numba, but for what makes machine code."""
+        """Return numba's passes without code generation."""
         state = self.state
         state.flags.no_compile = True
         state.library = LinkedCode(state.targetctx.codegen(), state.func_id.func_qualname)

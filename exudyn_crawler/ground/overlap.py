@@ -14,10 +14,10 @@ from exudyn_crawler.ground.compiled import inner, kernel
 from exudyn_crawler.ground.packed import FloatArray
 
 VERTICES = 12
-"""Room for the corners of a clipped rectangle: each of five cuts adds one at most."""
+"""Largest number of corners of a clipped rectangle: each of five cuts adds one at most."""
 
 COLUMNS = 4
-"""Of a corner: xi, eta in the unit's axes, depth below its top face, x in the shoe's frame; m."""
+"""Numbers of a corner: xi, eta in the unit's axes, depth below its top face, x in the shoe's frame; m."""
 
 
 class Overlap(NamedTuple):
@@ -44,11 +44,11 @@ class Overlap(NamedTuple):
 NO_OVERLAP = Overlap(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0)
 
 ON_SIDE, ON_SURFACE = 1e-9, 1e-12
-"""m, within which a corner of an overlap lies on a unit's side, and on its top face."""
+"""Distances (m) within which a corner of an overlap counts as on a unit's side, and on its top face."""
 
 
 class GradientRows(NamedTuple):
-    """First rows of the gradient of an overlap: change of each quantity per m of motion."""
+    """First rows of the gradient of an overlap: derivative of each quantity by a displacement (m)."""
 
     area: columns.Number
     volume: columns.Number
@@ -61,14 +61,14 @@ class GradientRows(NamedTuple):
 
 CHANGE = columns.columns_of(GradientRows)
 GRADIENT = columns.width_of(GradientRows)
-"""Rows of a gradient."""
+"""Number of rows of a gradient."""
 
 
 @inner
 def _clip(source: FloatArray, count: int, target: FloatArray, axis: int, sign: float, limit: float) -> int:
-    """Keep the part of a polygon with ``sign * coordinate <= limit``; rows as in `overlap`.
+    """Write the part of a polygon with ``sign * coordinate <= limit``; rows as in `overlap`.
 
-    Gives the number of its corners, zero where fewer than three are left.
+    Return the number of its corners, or zero if fewer than three are left.
     """
     corners = 0
     previous = count - 1
@@ -91,7 +91,7 @@ def _clip(source: FloatArray, count: int, target: FloatArray, axis: int, sign: f
 
 @inner
 def _side(a: FloatArray, b: FloatArray, half_x: float, half_y: float) -> int:
-    """Axis across the unit's side on which the edge of two corners lies; -1 for none."""
+    """Return the axis across the unit's side on which the edge of two corners lies; -1 for none."""
     for axis in range(2):
         half = half_x if axis == 0 else half_y
         if abs(abs(a[axis]) - half) < ON_SIDE and abs(a[axis] - b[axis]) < ON_SIDE:
@@ -101,13 +101,13 @@ def _side(a: FloatArray, b: FloatArray, half_x: float, half_y: float) -> int:
 
 @inner
 def _along_side(a: FloatArray, b: FloatArray, axis: int) -> float:
-    """Length of a polygon's edge on a side across an axis, with the sign of the side's outward normal."""
+    """Return the length of an edge on a side across an axis, with the sign of the side's outward normal."""
     return b[1] - a[1] if axis == 0 else a[0] - b[0]
 
 
 @inner
 def _integrated(points: FloatArray, count: int, cut: bool, half_x: float, half_y: float) -> Overlap:
-    """Integrals of the depth over a polygon, a fan of triangles; and, where it is `cut`, over its edges."""
+    """Return integrals of the depth over a polygon, a fan of triangles, and over its edges if it is `cut`."""
     area = 0.0
     volume = 0.0
     moment_xi = 0.0
@@ -168,15 +168,15 @@ def _integrated(points: FloatArray, count: int, cut: bool, half_x: float, half_y
 
 @kernel
 def overlap(work: FloatArray, half_x: float, half_y: float) -> Overlap:
-    """Clip the underside to a unit's top face and integrate the depth over what is left.
+    """Clip the underside to a unit's top face and integrate the depth over the clipped polygon.
 
-    The first four rows of ``work[0]``, of work (2, VERTICES, COLUMNS), are the corners of the underside in
-    order round the rectangle, clockwise from outside: xi, eta in the unit's axes from its centre, depth below
-    its top face (negative above it) and x in the shoe's frame, m; overwritten. `half_x` and `half_y` are half
-    the unit's side lengths, m.
+    `work` (2, VERTICES, COLUMNS) is overwritten. The first four rows of ``work[0]`` are the corners of the
+    underside in order round the rectangle, clockwise from outside: xi, eta in the unit's axes from its
+    centre, depth below its top face (negative above it) and x in the shoe's frame, m. `half_x` and `half_y`
+    are half the unit's side lengths, m.
 
-    With the depth d linear over the polygon its value at the centroid of the volume is ``integral(d**2) /
-    integral(d)``. An underside that looks up overlaps with nothing.
+    The depth d is linear over the polygon. Its value at the centroid of the volume is therefore
+    ``integral(d**2) / integral(d)``. An underside that faces upwards overlaps with nothing.
     """
     points = work[0]
     other = work[1]
@@ -200,10 +200,10 @@ def overlap(work: FloatArray, half_x: float, half_y: float) -> Overlap:
 def _corner_speed(
     corner: FloatArray, beyond: FloatArray, axis: int, direction: int, half_x: float, half_y: float
 ) -> float:
-    """How fast the corner at an end of an edge on a unit's side moves along it as the shoe moves.
+    """Return the speed of a corner along the unit's side for a unit speed of the shoe.
 
-    `corner` is that corner, `beyond` the other end of the next edge; `axis` and `direction` are those of the
-    side's normal and of the displacement: 0 for xi, 1 for eta.
+    `corner` is the end of an edge on the side, `beyond` the other end of the next edge; `axis` and
+    `direction` are those of the side's normal and of the displacement: 0 for xi, 1 for eta.
     """
     along_it = beyond[1 - axis] - corner[1 - axis]
     apart = beyond[axis] - corner[axis]
@@ -229,9 +229,9 @@ def write_gradient(
     `points` and `count` are its polygon, as `overlap` leaves it; the slopes are those of the depth over xi
     and eta.
 
-    Seen from the shoe its underside stays as it is and the unit's outline moves the other way: an integral of
-    the depth changes by itself on the edges that lie on the unit's sides, and by the depth's own change as
-    the shoe rises. How slanted ends move the widths is left out: these matter for slivers alone.
+    In the shoe's frame the underside is fixed and the unit's outline moves the other way. An integral of the
+    depth therefore changes on the edges that lie on the unit's sides, and by the depth's own change as the
+    shoe rises. The effect of slanted ends on the widths is left out; it matters for slivers alone.
     """
     out.fill(0.0)
     steep = (slope_xi * slope_xi + slope_eta * slope_eta) ** 0.5
@@ -280,5 +280,5 @@ def write_gradient(
 
 
 def overlap_workspace() -> FloatArray:
-    """Scratch memory for `overlap`."""
+    """Return scratch memory for `overlap`."""
     return np.zeros((2, VERTICES, COLUMNS))

@@ -1,8 +1,8 @@
-"""Nested tuples of arrays and numbers in one block of memory, which compiled functions read where it is.
+"""Nested tuples of arrays and numbers in one block of memory, which compiled functions read in place.
 
-To look at the types of hundreds of arrays in every call takes Python longer than the contact of a track, and
-compiled functions hand them on one by one. A block has a word of 8 bytes for each number, and for each array
-its address and shape. What it holds is what the annotations of named tuples say, the same for all cases.
+Python would take longer to look at the types of hundreds of arrays in every call than the contact of a track
+takes, and compiled functions pass them on one by one. A block has a word of 8 bytes for each number, and the
+address and shape of each array. The annotations of named tuples define its contents, the same for all cases.
 """
 
 import itertools
@@ -29,14 +29,14 @@ Floats4 = Annotated[FloatArray, types.float64[:, :, :, ::1]]
 Floats5 = Annotated[FloatArray, types.float64[:, :, :, :, ::1]]
 Ints1 = Annotated[IntArray, types.int64[::1]]
 Ints2 = Annotated[IntArray, types.int64[:, ::1]]
-"""Arrays of so many dimensions, their numbers one after the other."""
+"""Contiguous arrays, in C order, with the number of dimensions in the name."""
 
 NUMBERS = {float: types.float64, int: types.int64, bool: types.boolean}
 WORD = ir.IntType(64)
 
 
 def type_of(kind: Any) -> types.Type:
-    """The compiler's type of what an annotation says."""
+    """Return the compiler's type of an annotation."""
     if get_origin(kind) is Annotated:
         return kind.__metadata__[0]
     if kind in NUMBERS:
@@ -48,7 +48,7 @@ def type_of(kind: Any) -> types.Type:
 
 
 def nothing(kind: Any) -> Any:
-    """Values of an annotation, of no rows: arrays are empty, numbers 1."""
+    """Return values of an annotation without rows: arrays are empty, numbers 1."""
     if get_origin(kind) is Annotated:
         return _nothing(kind.__metadata__[0])
     if kind in NUMBERS:
@@ -65,7 +65,7 @@ def _nothing(kind: Any) -> Any:
 
 
 def pack(values: tuple, kind: types.Type) -> IntArray:
-    """Block (words,) of tuples, whose arrays have to outlive it; TypeError if one is of another type."""
+    """Return the block (words,) of tuples, whose arrays must outlive it; `TypeError` for another type."""
     words: list[int] = []
 
     def add(value: Any, of: Any) -> None:
@@ -85,7 +85,7 @@ def pack(values: tuple, kind: types.Type) -> IntArray:
 
 
 class Packed(types.Type):
-    """Tuple in a block, where compiled code reads the fields that it names, each time that it names them."""
+    """Tuple in a block; compiled code reads its fields by name, each time that it names them."""
 
     def __init__(self, kind: types.BaseTuple, opened: tuple[type, ...]) -> None:
         self.kind = kind
@@ -93,7 +93,7 @@ class Packed(types.Type):
         super().__init__(f"Packed({kind})")
 
     def part(self, kind: types.Type) -> types.Type:
-        """Type of a field: another part if it is of the opened ones, or a row of tuples."""
+        """Return the type of a field: another part for the opened classes and for rows of tuples."""
         is_part = isinstance(kind, types.UniTuple) and isinstance(kind.dtype, types.BaseTuple)
         is_part = is_part or getattr(kind, "instance_class", None) in self.opened
         return Packed(kind, self.opened) if is_part else kind
@@ -152,14 +152,14 @@ def _read_item(_typing: Any, part: Any, number: Any) -> Any:
 
 
 def _size(kind: types.Type) -> int:
-    """Words of a value."""
+    """Return the number of words of a value."""
     if isinstance(kind, types.BaseTuple):
         return sum(map(_size, kind.types))
     return 1 + kind.ndim if isinstance(kind, types.Array) else 1
 
 
 def _value(context: Any, builder: Any, words: Any, kind: types.Type) -> Any:
-    """Value at the address of its first word."""
+    """Return the value at the address of its first word."""
     if isinstance(kind, Packed):
         return words
     places = itertools.count()
@@ -193,10 +193,10 @@ def _value(context: Any, builder: Any, words: Any, kind: types.Type) -> Any:
 
 
 def reader(kind: types.BaseTuple, *opened: type) -> Callable[[IntArray], Any]:
-    """Function for compiled callers alone, of a block; it gives its tuple, of which fields are read by name.
+    """Return a function for compiled callers alone that takes a block and returns its tuple.
 
-    Fields of `opened` classes, and rows of tuples, are read in their turn as they are named; others as a
-    whole. Nobody counts references to arrays.
+    Fields are read by name. Fields of `opened` classes, and rows of tuples, are themselves read by name; all
+    others as a whole. References to arrays are not counted.
     """
 
     @intrinsic

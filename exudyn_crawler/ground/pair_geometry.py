@@ -1,7 +1,7 @@
-"""Tables of the contacts of a track: bodies, units, and the volumes in which they overlap.
+"""Tables of the contacts of a track: bodies, units, and their overlap volumes.
 
-While a shoe reaches over a unit with more than the fingers at its rear it is one volume; where its fingers
-alone do, each of them is one with a whole law of its own.
+A shoe that reaches over a unit with more than its rear fingers has one volume there. If only the fingers
+reach over it, each finger has a volume with the whole law.
 """
 
 import math
@@ -13,12 +13,12 @@ from exudyn_crawler.ground.frames import Frame, Vector, turned_back
 from exudyn_crawler.ground.packed import FloatArray, Floats1, Floats2, Floats4, Ints1
 
 FINGER_BLEND, REACH_STEP = 0.02, 1e-7
-"""m: of the reach in which the fingers' volumes take over from that of the whole underside, chosen here so
-that the force has no jump; of the difference that gives its slope."""
+"""FINGER_BLEND: range (m) of the reach in which the fingers' volumes replace that of the whole underside,
+chosen here so that the force has no jump. REACH_STEP: difference (m) that gives the slope of this blend."""
 
 
 class Outline(NamedTuple):
-    """Outlines of units and undersides, without arrays: these would be counted wherever they are handed."""
+    """Outlines of units and undersides, without arrays: each call would count references to arrays."""
 
     grid: terrain.Grid
     footprint: pairs.Footprint
@@ -44,7 +44,7 @@ class ContactGeometry(NamedTuple):
 
 
 class BodyStates(NamedTuple):
-    """Places of all bodies, and their rates."""
+    """Poses of all bodies, and their rates."""
 
     shoes: FloatArray  # (shoes, 6): COM position (m) and angles about x, y, z (rad)
     shoe_rates: FloatArray
@@ -55,7 +55,7 @@ class BodyStates(NamedTuple):
 
 
 class Cells(NamedTuple):
-    """Rectangle of units: the first, and how many there are along x and along y."""
+    """Rectangle of units: index of the first, and numbers of units along x and along y."""
 
     first: int
     columns: int
@@ -64,7 +64,7 @@ class Cells(NamedTuple):
 
 @inlined
 def cells_below(shoe: Frame, outline: Outline) -> Cells:
-    """Units that may lie under a shoe."""
+    """Return the units that may lie under a shoe."""
     grid = outline.grid
     footprint = outline.footprint
     x = max(abs(footprint.low_x), abs(footprint.high_x))
@@ -84,7 +84,7 @@ def cells_below(shoe: Frame, outline: Outline) -> Cells:
 
 @inlined
 def share_of_whole(reach: float, outline: Outline) -> float:
-    """Weight of the volume of a whole underside that reaches so far (m): the rest is its fingers'."""
+    """Return the weight of a whole underside's volume at a reach (m); the rest is that of its fingers."""
     if outline.finger_length == 0.0:
         return 1.0
     ahead = reach - outline.footprint.low_x - outline.finger_length
@@ -113,8 +113,8 @@ def finger_volume(
 ) -> pairs.Volume:
     """Return the volume of a finger's overlap with a unit, beside that of the whole underside.
 
-    `finger` is its number from 1, `sides` are those of all fingers, as in `ContactGeometry`, `length` is that
-    of a finger, m.
+    `finger` is its number from 1, `sides` are those of all fingers, as in `ContactGeometry`, and `length` is
+    the length of a finger, m.
     """
     low_x = whole.footprint.low_x
     z = whole.footprint.z
@@ -127,9 +127,9 @@ def finger_volume(
 
 @kernel
 def patch_rectangle(part: overlap.Overlap, shoe: Frame, unit: Frame, top: float) -> pairs.Rectangle:
-    """Rectangle in the shoe's axes about an overlap, m; the unit's face is at `top`.
+    """Return the rectangle in the shoe's axes about an overlap, m; the unit's face is at `top`.
 
-    Seen from above: what the unit's tilt moves the overlap by is far less than a cell of the underside.
+    It is seen from above: the unit's tilt moves the overlap by far less than a cell of the underside.
     """
     half_xi = 0.5 * (part.high_xi - part.low_xi)
     half_eta = 0.5 * (part.high_eta - part.low_eta)

@@ -18,15 +18,15 @@ from exudyn_crawler.ground.rows import NO_DERIVATIVES, ForceRows, Weights
 from fem.body.rectangle_motion import mean_rows
 
 MOTIONS = 4
-"""Displacement of the shoe's side of a contact against the unit's along x, y, z (m) and rotation about the
-normal (rad)."""
+"""Number of motions of a contact: displacement of the shoe's side against the unit's along x, y, z (m), and
+rotation about the normal (rad)."""
 
 DEPTH_STEP, MOVE_STEP, RATE_STEP = 1e-8, 1e-7, 1e-7
-"""m, m, and m/s or rad/s: of the differences that give a law's slopes."""
+"""Differences that give a law's slopes: of a depth (m), of a displacement (m), of a rate (m/s or rad/s)."""
 
 
 class Pair(NamedTuple):
-    """A shoe and a unit below it at a state."""
+    """Shoe and a unit below it at a state."""
 
     shoe_number: int
     unit_number: int
@@ -44,7 +44,7 @@ class UnitContacts(NamedTuple):
 
     @classmethod
     def allocate(cls, contacts: int, modes: int) -> "UnitContacts":
-        """Workspace for so many contacts."""
+        """Return a workspace for at most `contacts` contacts."""
         return cls(
             rows=ForceRows.allocate(contacts, MOTIONS, modes),
             results=np.zeros((contacts, pairs.RESULTS)),
@@ -61,7 +61,7 @@ def _write_jacobian(
     jacobian: FloatArray,
     by_unit: FloatArray,
 ) -> None:
-    """Write how the coordinates of the shoe and of the unit move a contact."""
+    """Write the Jacobian of a contact by the coordinates of the shoe and of the unit."""
     axes = pair.attitude.axes
     arm = along(contact.point, -1.0, pair.shoe.r)
     unit_arm = along(contact.point, -1.0, pair.unit.r)
@@ -83,7 +83,7 @@ def _write_jacobian(
 def _bend(
     bodies: pair_geometry.BodyStates, f: int, shoe: Frame, rows: FloatArray, jacobian: FloatArray
 ) -> pairs.Patch:
-    """Write how the modes of the flexible shoe in row f move a contact; return the patch's mean motion.
+    """Write a contact's Jacobian by the modes of the flexible shoe in row f; return the patch's mean motion.
 
     `rows` (3, m) are mean displacements of the patch by the modes, in the shoe's axes.
     """
@@ -99,7 +99,7 @@ def _bend(
 
 @inlined
 def _wrench(contact: pairs.Contact, normal: Vector) -> tuple[float, float, float, float]:
-    """Force (N) of a contact on its shoe and torque about its normal (N m)."""
+    """Return the force (N) of a contact on its shoe and the torque about its normal (N m)."""
     force = along(contact.normal_force, 1.0, contact.friction_force)
     return force[0], force[1], force[2], dot(contact.friction_torque, normal)
 
@@ -116,8 +116,8 @@ def _write_stiffness(
 ) -> None:
     """Write the weighted derivative of a contact's wrench (MOTIONS, MOTIONS).
 
-    The outline of the overlap and the directions of normal and axes stay as they are. Under an even
-    displacement along the normal the depth at the centroid of the volume V changes by ``2 - depth A / V``.
+    The outline of the overlap, the normal and the axes are held constant. Under an even displacement along
+    the normal the depth at the centroid of the volume V changes by ``2 - depth A / V``.
     """
     spin = dot(along(pair.shoe.omega, -1.0, pair.unit.omega), normal)
     part = volume.part
@@ -200,10 +200,10 @@ def _write_leaning_stiffness(
     weights: Weights,
     out: FloatArray,
 ) -> None:
-    """Write the same derivative of a contact whose outline moves and whose normal turns with the shoe.
+    """Write the derivative of a contact's wrench if its outline moves and its normal turns with the shoe.
 
-    It is made of differences of the law along the exact `gradient` of the overlap. The motion of the shoe's
-    own outline as the shoe turns is left out, as for other contacts.
+    It consists of differences of the law along the exact `gradient` of the overlap. As for other contacts,
+    the motion of the shoe's own outline with its rotation is left out.
     """
     shoe = pair.shoe
     unit = pair.unit
@@ -242,7 +242,7 @@ def _write_leaning_stiffness(
 def _write_gradient(volume: pairs.Volume, pair: Pair, work: FloatArray, gradient: FloatArray) -> None:
     """Write the gradient of the overlap whose polygon is in `work`.
 
-    A finger keeps that of the whole underside's reach, by which the fingers take over.
+    A finger keeps the gradient of the whole underside's reach, which sets the fingers' weight.
     """
     reach = (gradient[CHANGE.reach, 0], gradient[CHANGE.reach, 1], gradient[CHANGE.reach, 2])
     down = turned_back(pair.unit.R, frames.upward(pair.shoe.R))
@@ -266,10 +266,10 @@ def touching_pairs(
     contacts: UnitContacts,
     work: FloatArray,
 ) -> int:
-    """Write wrenches of all contacts, their tangents and how the coordinates move them; return their number.
+    """Write the wrenches, tangents and Jacobians of all contacts; return the number of contacts.
 
-    They come in the order of the shoes, units and fingers; without weights of position and velocity the
-    tangents are left as they are. `work` is scratch memory; see `overlap_workspace`.
+    They come in the order of the shoes, units and fingers. Without weights of position and velocity the
+    tangents are not written. `work` is scratch memory; see `overlap_workspace`.
     """
     grid = geometry.outline.grid
     gradient = np.zeros((overlap.GRADIENT, 3))
@@ -301,8 +301,8 @@ def _write_pair(
 ) -> int:
     """Write the contacts of a shoe with a unit from a row on; return the row behind them.
 
-    One is that of the whole underside; where its fingers take over, each of them has one. `gradient`
-    (GRADIENT, 3) is scratch memory.
+    One contact is that of the whole underside; if its fingers take over, each of them has a contact.
+    `gradient` (GRADIENT, 3) is scratch memory.
     """
     outline = geometry.outline
     half = (0.5 * outline.grid.length, 0.5 * outline.grid.width, 0.5 * outline.grid.height)
@@ -376,9 +376,9 @@ def touching_over_time(
     results: Floats3,
     counts: IntArray,
 ) -> None:
-    """Write results of all contacts (times, contacts, RESULTS) and their numbers (times,).
+    """Write the results of all contacts (times, contacts, RESULTS) and their numbers (times,).
 
-    Arrays of `bodies` have the times before their own dimensions.
+    The first dimension of the arrays of `bodies` is time.
     """
     for t in range(counts.shape[0]):
         places = pair_geometry.BodyStates(

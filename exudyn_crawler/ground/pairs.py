@@ -1,10 +1,10 @@
-"""Contact of a shoe with a terrain unit, on frames: one contact a volume in which they overlap.
+"""Contact of a shoe with a terrain unit, from their frames: one contact for each overlap volume.
 
-It acts at the centroid of the overlap volume, along its normal with the normal law, across it with friction
-and about it with the friction torque; the unit receives the opposite of all that the shoe receives. The
-normal is that of the unit's top face, or the direction of the area vector of all faces of the unit that lie
-within the shoe, side faces among them; inside a unit both are the same. Where the shoe is flexible, the mean
-displacement of the patch of its underside over the unit adds to its rigid motion.
+The contact acts at the centroid of the overlap volume: the normal law along its normal, friction across it,
+and the friction torque about it. The unit receives the opposite of all that the shoe receives. The normal is
+that of the unit's top face, or the direction of the area vector of all the unit's faces within the shoe,
+including side faces. Inside a unit both are the same. On a flexible shoe the mean displacement of the
+underside's patch over the unit is added to the rigid motion.
 """
 
 import math
@@ -20,9 +20,9 @@ from exudyn_crawler.ground.packed import FloatArray
 Rectangle = tuple[float, float, float, float]
 """Least and greatest x, least and greatest y, m."""
 FROM_CURVE = -1.0
-"""In place of a ratio of friction to slip: the one of the friction law."""
+"""Flag instead of a ratio of friction to slip: take the ratio of the friction law."""
 WHOLE: Any = np.int64(0)
-"""In place of a finger's number: the whole underside. No literal, see `ground.compiled`."""
+"""Flag instead of a finger's number: the whole underside. No literal, see `ground.compiled`."""
 
 
 class Footprint(NamedTuple):
@@ -36,11 +36,11 @@ class Footprint(NamedTuple):
 
 
 class PairLaw(NamedTuple):
-    """Laws of normal force and friction, what of them an overlap has, and how its normal and penetration are.
+    """Laws of normal force and friction, with an overlap's share of them, its normal and its penetration.
 
-    All of them, growing with STEP up to an overlap as wide as `edge_width` (m), or, where `whole_area` is not
-    zero, as much as the overlap has of this area (m2). With `area_normal` the normal is the area vector's,
-    with `closest_points` the penetration is the distance of the closest points of both surfaces.
+    The share grows with STEP to 1 at an overlap of width `edge_width` (m). If `whole_area` (m2) is not zero,
+    it is the overlap's fraction of this area. With `area_normal` the normal is that of the area vector. With
+    `closest_points` the penetration is the distance of the closest points of both surfaces.
     """
 
     impact: laws.Impact
@@ -52,11 +52,11 @@ class PairLaw(NamedTuple):
 
 
 class Volume(NamedTuple):
-    """An overlap to make a contact of: by which part of an underside, with how large a unit.
+    """Overlap that makes a contact, with its part of the underside and the size of the unit.
 
-    `weight` is its share of the law beside others of the same pair, `footprint` the rectangle of the
-    underside that it belongs to, `half` half the unit's sides (m), `fading` the slope of the weight over the
-    reach of the whole underside (1/m). `finger` is a finger's number from 1, or `WHOLE`.
+    `weight` is its share of the law beside others of the same pair. `footprint` is its rectangle of the
+    underside, `half` half the unit's sides (m). `fading` is the slope of the weight over the reach of the
+    whole underside (1/m). `finger` is a finger's number from 1, or `WHOLE`.
     """
 
     part: overlap.Overlap
@@ -68,8 +68,8 @@ class Volume(NamedTuple):
 
 
 FACE_BLEND = 2e-3
-"""m: by as much more than the least distance others still count for the distance of the closest points.
-Chosen here, so that these move from face to face without a jump."""
+"""Excess (m) over the least distance up to which other faces count for the distance of the closest points;
+chosen here, so that the closest points move from face to face without a jump."""
 
 
 class Patch(NamedTuple):
@@ -84,7 +84,7 @@ RIGID = Patch((0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
 
 
 class Contact(NamedTuple):
-    """One contact; vectors are global, forces and torque act on the shoe."""
+    """Contact of a shoe with a unit; vectors are global, forces and torque act on the shoe."""
 
     penetration: float  # m
     penetration_rate: float
@@ -117,7 +117,7 @@ class ResultColumns(NamedTuple):
 COLUMN = columns.columns_of(ResultColumns)
 RESULT: dict[str, Any] = columns.places_of(ResultColumns)
 RESULTS = columns.width_of(ResultColumns)
-"""First columns of a contact's results, their columns by name, and how many there are."""
+"""First columns of a contact's results, the same columns by name, and their number."""
 NO_PATCH: Rectangle = (0.0, 0.0, 0.0, 0.0)
 
 
@@ -125,7 +125,7 @@ NO_PATCH: Rectangle = (0.0, 0.0, 0.0, 0.0)
 def pair_overlap(
     shoe: Frame, unit: Frame, footprint: Footprint, half: Vector, work: FloatArray
 ) -> overlap.Overlap:
-    """Overlap of a shoe, taken as rigid, with a unit of which `half` holds half the sides (m).
+    """Return the overlap of a shoe, taken as rigid, with a unit; `half` holds half the sides (m) of the unit.
 
     `work` is scratch memory; see `overlap_workspace`.
     """
@@ -144,7 +144,7 @@ def pair_overlap(
 
 @inlined
 def share_of(volume: Volume, law: PairLaw) -> float:
-    """Share of the law that an overlap has."""
+    """Return an overlap's share of the law."""
     part = volume.part
     if law.whole_area > 0.0:
         return volume.weight * part.area / law.whole_area
@@ -154,19 +154,19 @@ def share_of(volume: Volume, law: PairLaw) -> float:
 
 @inlined
 def contact_point(part: overlap.Overlap, unit: Frame, top: float) -> Vector:
-    """Where a contact acts (m): above the centroid of the overlap, halfway up to the face at `top`."""
+    """Return a contact's point (m): above the overlap's centroid, halfway up to the face at `top`."""
     return along(unit.r, 1.0, turned(unit.R, (part.xi, part.eta, top - 0.5 * part.depth)))
 
 
 @inlined
 def leans(part: overlap.Overlap, law: PairLaw) -> bool:
-    """True for a law that takes more of a clipped overlap than its depth at the centroid."""
+    """Return True if a law uses more of a clipped overlap than its depth at the centroid."""
     return part.cut > 0 and (law.area_normal or law.closest_points)
 
 
 @inlined
 def normal_of(part: overlap.Overlap, unit: Frame, law: PairLaw) -> Vector:
-    """Normal of a contact, global: from the unit to the shoe."""
+    """Return the normal of a contact, global, from the unit to the shoe."""
     if not law.area_normal or (part.side_x == 0.0 and part.side_y == 0.0):
         return upward(unit.R)
     faces = (part.side_x, part.side_y, part.area)
@@ -175,7 +175,7 @@ def normal_of(part: overlap.Overlap, unit: Frame, law: PairLaw) -> Vector:
 
 @inner
 def _way_out(place: Vector, toward: Vector, footprint: Footprint) -> float:
-    """Distance (m) of a place in the shoe's frame from the outline of its underside, along a direction."""
+    """Return the distance (m) from a point in the shoe's frame to the underside's outline in a direction."""
     way = math.inf
     for axis in range(2):
         low, high = (footprint.low_x, footprint.high_x) if axis == 0 else (footprint.low_y, footprint.high_y)
@@ -187,10 +187,10 @@ def _way_out(place: Vector, toward: Vector, footprint: Footprint) -> float:
 
 @inner
 def _closest_distance(volume: Volume, shoe: Frame, unit: Frame) -> float:
-    """Distance of the closest points of both surfaces about a contact's point, m.
+    """Return the distance (m) of the closest points of both surfaces about a contact's point.
 
-    The closest points lie on faces that look at each other: the top face and the underside, or a side of the
-    unit and the end or side of the shoe within it, whichever are closer.
+    The closest points lie on opposite faces: the top face and the underside, or a side of the unit and the
+    end or side of the shoe within it, whichever are closer.
     """
     part = volume.part
     half = volume.half
@@ -213,7 +213,7 @@ def _closest_distance(volume: Volume, shoe: Frame, unit: Frame) -> float:
 def pair_contact(
     volume: Volume, shoe: Frame, unit: Frame, patch: Patch, law: PairLaw, ratio: float
 ) -> Contact:
-    """Contact of a shoe with a unit at a known overlap.
+    """Return the contact of a shoe with a unit at a known overlap.
 
     `ratio` is friction over normal force and slip speed, s/m; `FROM_CURVE` takes it from the friction law.
     """

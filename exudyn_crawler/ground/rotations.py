@@ -1,9 +1,9 @@
-"""From the bodies' coordinates to frames, and from wrenches back to generalized forces.
+"""Conversion of coordinates of bodies to frames, and of wrenches to generalized forces.
 
-The coordinates of a body are its position and the angles roll about x, pitch about y and yaw about z:
-``R = Rz(yaw) Rx(roll) Ry(pitch)`` turns body components into global ones. Yaw and pitch are unlimited; the
-middle angle, roll, is singular at 90 degrees, which no shoe, sprocket or frame nears. This module alone knows
-the sequence.
+The coordinates of a body are its position and the angles roll about x, pitch about y and yaw about z: ``R =
+Rz(yaw) Rx(roll) Ry(pitch)`` turns body components into global ones. Yaw and pitch are unlimited. The middle
+angle, roll, is singular at 90 degrees; no shoe, sprocket or frame comes near it. This module alone knows the
+sequence.
 """
 
 import math
@@ -18,7 +18,7 @@ from exudyn_crawler.ground.packed import FloatArray
 
 
 class Attitude(NamedTuple):
-    """Rotation matrix of a body and the global axes that roll, pitch and yaw turn about."""
+    """Rotation matrix of a body, and the global axes of its roll, pitch and yaw."""
 
     R: Matrix
     axes: Matrix
@@ -26,9 +26,9 @@ class Attitude(NamedTuple):
 
 @kernel
 def attitude(roll: float, pitch: float, yaw: float) -> Attitude:
-    """Attitude at angles about x, y and z (rad).
+    """Return the attitude at angles about x, y and z (rad).
 
-    Yaw turns about the global z, roll about x as yaw has turned it, pitch about the body's own y.
+    Yaw turns about the global z, roll about x after yaw, pitch about the body's own y.
     """
     cosines = math.cos(roll), math.cos(pitch), math.cos(yaw)
     return attitude_by(cosines, (math.sin(roll), math.sin(pitch), math.sin(yaw)))
@@ -36,7 +36,7 @@ def attitude(roll: float, pitch: float, yaw: float) -> Attitude:
 
 @kernel
 def attitude_by(cosines: Vector, sines: Vector) -> Attitude:
-    """Attitude by the cosines and the sines of its angles."""
+    """Return the attitude for the cosines and the sines of its angles."""
     (ca, cb, cc) = cosines
     (sa, sb, sc) = sines
     R = (
@@ -49,7 +49,7 @@ def attitude_by(cosines: Vector, sines: Vector) -> Attitude:
 
 @kernel
 def spin(attitude: Attitude, rates: Vector) -> Vector:
-    """Angular velocity (rad/s, global) of the rates of the angles."""
+    """Return the angular velocity (rad/s, global) for the rates of the angles."""
     nothing = (0.0, 0.0, 0.0)
     return along(
         along(along(nothing, rates[0], attitude.axes[0]), rates[1], attitude.axes[1]),
@@ -60,9 +60,9 @@ def spin(attitude: Attitude, rates: Vector) -> Vector:
 
 @kernel
 def spin_rate(attitude: Attitude, rates: Vector, accelerations: Vector) -> Vector:
-    """Angular acceleration (rad/s2, global) of the angles' first and second derivatives.
+    """Return the angular acceleration (rad/s2, global) for the angles' first and second derivatives.
 
-    Yaw turns the axis of roll, yaw and roll that of pitch.
+    Yaw turns the axis of roll; yaw and roll turn the axis of pitch.
     """
     by_yaw = along((0.0, 0.0, 0.0), rates[2], attitude.axes[2])
     by_yaw_roll = along(by_yaw, rates[0], attitude.axes[0])
@@ -72,14 +72,17 @@ def spin_rate(attitude: Attitude, rates: Vector, accelerations: Vector) -> Vecto
 
 @kernel
 def shoe_frame(q: FloatArray, q_t: FloatArray, attitude: Attitude) -> Frame:
-    """Frame of a shoe at its six coordinates (position first) and their rates."""
+    """Return the frame of a shoe at its six coordinates (position first) and their rates."""
     omega = spin(attitude, (q_t[3], q_t[4], q_t[5]))
     return Frame((q[0], q[1], q[2]), attitude.R, (q_t[0], q_t[1], q_t[2]), omega)
 
 
 @kernel
 def unit_frame(q: FloatArray, q_t: FloatArray, axis: int) -> Frame:
-    """Frame of a unit at its position and tilt (4) and their rates; it tilts about axis 0 (x) or 1 (y)."""
+    """Return the frame of a unit at its position and tilt (4) and their rates.
+
+    The unit tilts about `axis` 0 (x) or 1 (y).
+    """
     c = math.cos(q[3])
     s = math.sin(q[3])
     R = ((1.0, 0.0, 0.0), (0.0, c, -s), (0.0, s, c))
@@ -91,12 +94,12 @@ def unit_frame(q: FloatArray, q_t: FloatArray, axis: int) -> Frame:
 
 
 def rotation_matrices(angles: FloatArray) -> FloatArray:
-    """Rotation matrices of many angles (..., 3): array (..., 3, 3)."""
+    """Return the rotation matrices of angles (..., 3): array (..., 3, 3)."""
     return _of_each(_write_rotations, (3, 3), angles)
 
 
 def angles_of(axes: FloatArray) -> FloatArray:
-    """Angles (rad) of rotation matrices (..., 3, 3), pitch and yaw within a turn: array (..., 3)."""
+    """Return angles (rad) of rotation matrices (..., 3, 3), pitch and yaw within a turn: array (..., 3)."""
     roll = np.arcsin(np.clip(axes[..., 2, 1], -1.0, 1.0))
     pitch = np.arctan2(-axes[..., 2, 0], axes[..., 2, 2])
     yaw = np.arctan2(-axes[..., 0, 1], axes[..., 1, 1])
@@ -104,38 +107,38 @@ def angles_of(axes: FloatArray) -> FloatArray:
 
 
 def angular_velocity(angles: FloatArray, rates: FloatArray) -> FloatArray:
-    """Angular velocities (rad/s, global) of angles and their rates: array (..., 3)."""
+    """Return the angular velocities (rad/s, global) for angles and their rates: array (..., 3)."""
     return np.asarray(np.einsum("...kj,...k->...j", _axes(angles), rates))
 
 
 def angle_rates(angles: FloatArray, omega: FloatArray) -> FloatArray:
-    """Rates of angles (rad/s) that make an angular velocity (rad/s, global): array (..., 3)."""
+    """Return the rates of angles (rad/s) for an angular velocity (rad/s, global): array (..., 3)."""
     turned = np.swapaxes(_axes(angles), -1, -2)
     return np.asarray(np.linalg.solve(turned, omega[..., None])[..., 0], dtype=np.float64)
 
 
 def angular_acceleration(angles: FloatArray, rates: FloatArray, accelerations: FloatArray) -> FloatArray:
-    """Angular accelerations (rad/s2, global) of angles and their two derivatives: array (..., 3)."""
+    """Return angular accelerations (rad/s2, global) for angles and their two derivatives: array (..., 3)."""
     return angular_velocity(angles, accelerations) + _of_each(_write_turning, (3,), angles, rates)
 
 
 def angle_accelerations(angles: FloatArray, rates: FloatArray, alpha: FloatArray) -> FloatArray:
-    """Second derivatives of angles (rad/s2) that make an angular acceleration (rad/s2, global)."""
+    """Return the second derivatives of angles (rad/s2) for an angular acceleration (rad/s2, global)."""
     return angle_rates(angles, alpha - _of_each(_write_turning, (3,), angles, rates))
 
 
 def moments_of(angles: FloatArray, generalized: FloatArray) -> FloatArray:
-    """Moments (N m, global) that have these generalized forces on the angles: array (bodies, 3)."""
+    """Return the moments (N m, global) for generalized forces on the angles: array (bodies, 3)."""
     return np.asarray(np.linalg.solve(_axes(angles), generalized[..., None])[..., 0], dtype=np.float64)
 
 
 def moments_on_angles(angles: FloatArray, moments: FloatArray) -> FloatArray:
-    """Generalized forces on the angles of moments (N m, global): array (bodies, 3)."""
+    """Return the generalized forces on the angles of moments (N m, global): array (bodies, 3)."""
     return np.asarray(np.einsum("...kj,...j->...k", _axes(angles), moments))
 
 
 def _axes(angles: FloatArray) -> FloatArray:
-    """Global axes that angles (..., 3) turn about: array (..., 3, 3), an axis a row."""
+    """Return the global axes of rotation of angles (..., 3): array (..., 3, 3), one axis in each row."""
     return _of_each(_write_axes, (3, 3), angles)
 
 
@@ -165,7 +168,7 @@ def _write_axes(angles, out):
 
 @kernel
 def _write_turning(angles, rates, out):
-    """Write the part of the angular accelerations (rad/s2, global) that the rates make alone."""
+    """Write the part of the angular accelerations (rad/s2, global) that depends on the rates alone."""
     for n in range(angles.shape[0]):
         orientation = attitude(angles[n, 0], angles[n, 1], angles[n, 2])
         out[n, 0], out[n, 1], out[n, 2] = spin_rate(

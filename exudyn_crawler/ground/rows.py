@@ -1,8 +1,8 @@
 """Rows of force elements, and the weights of the derivatives in them.
 
-A force element sees its bodies through a few numbers: the motion of the first body's side of it against the
-other side. Its wrench is conjugate to these, so that one Jacobian J makes generalized forces ``J^T w`` of the
-wrench and a matrix ``J^T K J`` of its tangent. Residual and matrix know nothing else of it.
+A force element depends on its bodies through a few numbers: the motion of its side on the first body against
+the other side. Its wrench is conjugate to these motions. One Jacobian J therefore makes generalized forces
+``J^T w`` of the wrench and a matrix ``J^T K J`` of its tangent. Residual and matrix use nothing else of it.
 """
 
 from typing import NamedTuple
@@ -15,9 +15,9 @@ from exudyn_crawler.ground.packed import Floats2, Floats3, Floats4, Ints1, Ints2
 class Weights(NamedTuple):
     """Weights of the derivatives by coordinates, rates and accelerations.
 
-    With `secant` the ratio of friction to slip is kept as it is instead of derived: Newton's method can cycle
-    between the steep rise of the friction curve and its fall beyond, and with the secant it converges more
-    slowly, but does. `level` turns the gap of a constraint on velocity into one of position.
+    With `secant` the ratio of friction to slip is kept constant, not differentiated. Newton's method can
+    cycle between the steep rise of the friction curve and its fall beyond; with the secant it converges, but
+    more slowly. `level` turns the gap of a constraint on velocity into one of position.
     """
 
     position: float
@@ -28,11 +28,11 @@ class Weights(NamedTuple):
 
 
 NO_DERIVATIVES = Weights(0.0, 0.0, 0.0, False, 1.0)
-"""Of forces alone."""
+"""Weights that give forces without derivatives."""
 
 
 class ForceRows(NamedTuple):
-    """Elements of one kind with r rows each, as many as act at a state; m modes of a flexible body."""
+    """Elements of one kind with r rows each, at most as many as can act; m modes of a flexible body."""
 
     acting: Ints1  # (1,): number of those that act
     bodies: Ints2  # (elements, 2): numbers of the bodies; -1 where there is no second one
@@ -46,7 +46,7 @@ class ForceRows(NamedTuple):
 
     @classmethod
     def allocate(cls, elements: int, rows: int, modes: int) -> "ForceRows":
-        """Workspace for at most so many elements."""
+        """Return a workspace for at most `elements` elements."""
         return cls(
             acting=np.zeros(1, dtype=np.int64),
             bodies=np.full((elements, 2), -1),

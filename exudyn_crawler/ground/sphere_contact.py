@@ -1,7 +1,7 @@
-"""Spheres under rigid shoes on units, Exudyn's own contact, and what its forces say of contacts.
+"""Spheres under rigid shoes on units, Exudyn's own contact, and contacts derived from its forces.
 
-Exudyn makes the forces (`engine.system`). Here is what follows from a state: where the spheres are,
-where the force on a shoe acts, how much of it is normal to the ground, and how the shoe slips there.
+Exudyn computes the forces (`engine.system`). This module derives values from a state: positions of the
+spheres, centre of pressure of the force on a shoe, its component normal to the ground, and the slip there.
 """
 
 import math
@@ -16,9 +16,10 @@ from exudyn_crawler.ground.terrain import TerrainCoordinates, UnitCoordinates, g
 
 
 def sphere_centers(case: Case) -> np.ndarray:
-    """Centres in the shoe's frame (spheres, 3), m: at the middle of equal parts of the underside.
+    """Return the spheres' centres in the shoe's frame (spheres, 3), m.
 
-    The spheres touch it from within.
+    Each is above the middle of one of the equal parts of the underside. The spheres touch the underside from
+    within.
     """
     spheres = case.part(SphereContact)
     low_x, high_x, low_y, high_y, z = case.shoe.footprint
@@ -29,10 +30,10 @@ def sphere_centers(case: Case) -> np.ndarray:
 
 
 def face_inset(case: Case) -> tuple[float, float]:
-    """How far the units' faces are drawn back from the edges between units, along x and along y, m.
+    """Return the inset (m) of the units' faces from the edges between units, along x and along y.
 
-    A sphere over the seam of two whole faces touches the edges of both and is pushed twice as hard. Drawn
-    back by this much, both together push a sphere at the settled depth there as hard as one face does.
+    A sphere over the seam of two whole faces touches the edges of both and is pushed twice as hard. With this
+    inset both faces together push a sphere at the settled depth as hard as one face does.
     """
     spheres = case.part(SphereContact)
     terrain = case.part(Terrain)
@@ -47,7 +48,7 @@ def face_inset(case: Case) -> tuple[float, float]:
 
 
 class SphereGroundContact:
-    """Contact of all spheres, read off a state; a `contact.GroundContact`."""
+    """Contact of all spheres, derived from a state; a `contact.GroundContact`."""
 
     def __init__(self, case: Case, coordinates: UnitCoordinates) -> None:
         self.coordinates: TerrainCoordinates = coordinates
@@ -65,53 +66,56 @@ class SphereGroundContact:
         return self.shoe_reference + q[: self.shoe_reference.size].reshape(-1, 6)
 
     def unit_motion(self, q: np.ndarray) -> np.ndarray:
-        """Displacement (m) and tilt (rad) of the units from where their springs are free: (units, 4)."""
+        """Return displacement (m) and tilt (rad) of the units from unloaded springs: (units, 4)."""
         return self.coordinates.motion(q[self.shoe_reference.size :])
 
     def surface(self, x: np.ndarray) -> np.ndarray:
-        """Height (m) of the units' faces at places x (m), with the springs free."""
+        """Return the height (m) of the units' faces at x (m), with unloaded springs."""
         return self._terrain.surface(x)
 
     def _above(self, q: np.ndarray, places: np.ndarray, units: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Height (m) of places (..., 3) over the faces of units (...,), and the faces' normals (..., 3)."""
+        """Return heights (m) of points (..., 3) over faces of units (...,), and face normals (..., 3)."""
         pose = (self.unit_reference + self.unit_motion(q))[units]
         up = self._leaning(pose[..., 3])
-        # units roll or follow a relief, never both
+        # units roll or follow a relief, but not both
         normal = self._leaning(pose[..., 3] + self._tilts[units])
         above = places - pose[..., :3] - self._tops[units][..., None] * up
         return np.sum(normal * above, axis=-1), normal
 
     def _leaning(self, tilts: np.ndarray) -> np.ndarray:
-        """Normals (..., 3) of faces that tilt, rad."""
+        """Return the normals (..., 3) of faces at tilts (rad)."""
         sine = np.sin(tilts)
         cosine = np.cos(tilts)
         none = np.zeros_like(tilts)
         return np.stack((none, -sine, cosine) if self._grid.tilt_axis == 0 else (sine, none, cosine), axis=-1)
 
     def depths(self, q: np.ndarray) -> np.ndarray:
-        """Depth of the spheres in the faces of the units below them: (shoes, spheres), m; negative above."""
+        """Return the depth of the spheres in the faces below them: (shoes, spheres), m; negative above."""
         shoes = self._shoes(q)
         places = shoes[:, None, :3] + self._centers @ rotation_matrices(shoes[:, 3:]).transpose(0, 2, 1)
         return self._radius - self._above(q, places, self._grid.units_below(places[..., :2]))[0]
 
     def sunken(self, q: np.ndarray) -> list[int]:
-        """Numbers of the shoes with a sphere whose centre is below its unit's face: nothing holds that up."""
+        """Return the numbers of the shoes with a sphere whose centre is below its unit's face.
+
+        No contact holds such a sphere up.
+        """
         return (np.flatnonzero((self.depths(q) >= self._radius).any(axis=1)) + 1).tolist()
 
     def results(self, q: np.ndarray, q_t: np.ndarray, wrenches: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Contacts at states with `wrenches` (times, shoes, 6); see `contact.GroundContact`."""
+        """Return contacts at states with `wrenches` (times, shoes, 6); see `contact.GroundContact`."""
         results = [self._results_at(*state) for state in zip(q, q_t, wrenches, strict=True)]
         return np.concatenate(results), np.array([len(rows) for rows in results])
 
     def _results_at(self, q: np.ndarray, q_t: np.ndarray, wrenches: np.ndarray) -> np.ndarray:
-        """Contacts at a state, one a shoe that touches: array (contacts, RESULTS), as in `pairs.RESULT`.
+        """Return one contact for each touching shoe: array (contacts, RESULTS), as in `pairs.RESULT`.
 
         `wrenches` (shoes, 6) are Exudyn's contact forces on the shoes and moments about their origins, N and
-        N m, global. The point is the centre of pressure on the face of the unit below it, which is the
-        contact's unit though the shoe may stand on several; the normal force is along that face's normal and
-        all else friction; the friction torque is what the moment has beside. The penetration is the mean
-        depth of the spheres that touch, the area that of their parts of the underside; its rate and the slip
-        velocity are those of shoe and unit at the point.
+        N m, global. The point is the centre of pressure on the face of the unit below it. This unit is the
+        contact's unit even if the shoe stands on several. The normal force is along that face's normal; the
+        rest of the force is friction. The friction torque is the moment about the point. The penetration is
+        the mean depth of the touching spheres; the area is that of their parts of the underside. The
+        penetration's rate and the slip velocity are those of shoe and unit at the point.
         """
         shoes = self._shoes(q)
         rates = q_t[: self.shoe_reference.size].reshape(-1, 6)
@@ -154,12 +158,12 @@ class SphereGroundContact:
     def _pressed(
         self, shoes: np.ndarray, depth: np.ndarray, force: np.ndarray, moment: np.ndarray
     ) -> np.ndarray:
-        """Where forces press on shoes, so deep (shoes,) below the ground: array (shoes, 3), m, global."""
+        """Return the centres of pressure on shoes at depths (shoes,), m: array (shoes, 3), m, global."""
         R = rotation_matrices(shoes[:, 3:])
         f, m = (np.einsum("nji,nj->ni", R, values) for values in (force, moment))
         low_x, high_x, low_y, high_y, underside = self._case.shoe.footprint
         z = underside + depth
-        # a force that hardly presses would act far outside
+        # the centre of pressure of a small normal force would lie far outside
         up = np.where(f[:, 2] > 0.0, f[:, 2], np.inf)
         x = np.clip((z * f[:, 0] - m[:, 1]) / up, low_x, high_x)
         y = np.clip((m[:, 0] + z * f[:, 1]) / up, low_y, high_y)

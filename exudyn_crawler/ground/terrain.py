@@ -1,10 +1,10 @@
-"""The terrain: the grid of its units, their joints, its independent coordinates, and how these carry units.
+"""Terrain: the grid of its units, their joints, its independent coordinates and the motion of the units.
 
-Neighbouring units are joined at the middle of their shared face: by spherical joints along a spanning
-tree of the grid and by in-plane joints (equal height) everywhere else. With two of the three rotations
-of every unit held at zero, all of them together say one thing: the joint point of a face has one height
-(K-chapter; to second order in the tilt, which stays below 1e-2 rad). What that leaves free is carried
-by `TerrainModes`.
+Neighbouring units are joined at the middle of their shared face: by spherical joints along a spanning tree of
+the grid, and by in-plane joints (equal height) everywhere else. Two of the three rotations of every unit are
+held at zero. All joints together then give one condition: the joint point of a face has one height
+(K-chapter; to second order in the tilt, which stays below 1e-2 rad). `TerrainModes` carries the remaining
+freedoms.
 """
 
 from dataclasses import dataclass
@@ -17,13 +17,13 @@ from exudyn_crawler.case import Case, Terrain
 from exudyn_crawler.ground.compiled import inner, kernel
 
 REACH = 1.0
-"""m round the track at t = 0 within which contact is expected."""
+"""Distance (m) round the track at t = 0 within which contact is expected."""
 
 
 class Grid(NamedTuple):
     """Units in columns along x and rows along y, counted along y first; lengths in m.
 
-    `x`, `y` is the corner of the first unit, `tilt_axis` what units tilt about: 0 for x, 1 for y.
+    `x`, `y` is the corner of the first unit; `tilt_axis` is the axis of tilt: 0 for x, 1 for y.
     """
 
     columns: int
@@ -36,14 +36,14 @@ class Grid(NamedTuple):
     tilt_axis: int
 
     def units_below(self, places: np.ndarray) -> np.ndarray:
-        """Index of the unit below each place, or the one nearest to it: array of int, for (..., 2) m."""
+        """Return the index of the unit below each point (..., 2), m, or of the nearest unit: array of int."""
         cells = np.floor((places - [self.x, self.y]) / [self.length, self.width]).astype(int)
         cells = np.clip(cells, 0, [self.columns - 1, self.rows - 1])
         return cells[..., 0] * self.rows + cells[..., 1]
 
 
 def grid_of(terrain: Terrain) -> Grid:
-    """Grid of a terrain."""
+    """Return the grid of a terrain."""
     sides = (terrain.unit_length, terrain.unit_width, terrain.unit_height)
     return Grid(terrain.columns, terrain.rows, *sides, *terrain.origin, terrain.tilt_axis)
 
@@ -58,9 +58,9 @@ class TerrainJoint(NamedTuple):
 
 
 def terrain_joints(terrain: Terrain) -> list[TerrainJoint]:
-    """All joints of the grid: spherical along a spanning tree, in-plane elsewhere.
+    """Return all joints of the grid: spherical along a spanning tree, in-plane elsewhere.
 
-    The tree has every joint along x, and those along y in the first column: for 10 x 5 units
+    The tree has every joint along x, and the joints along y in the first column. For 10 x 5 units these are
     45 + 4 = 49 spherical and 36 in-plane joints, the numbers of the K-chapter.
     """
     joints = []
@@ -76,7 +76,10 @@ def terrain_joints(terrain: Terrain) -> list[TerrainJoint]:
 
 @inner
 def modal_motion(heave, tilt, q, out):
-    """Write heave and tilt of units (units, 4) by the first of some coordinates, or their rates."""
+    """Write heave and tilt of units (units, 4) at coordinates, or their rates.
+
+    Only the first coordinates count, as many as `heave` has columns.
+    """
     for u in range(heave.shape[0]):
         z = a = 0.0
         for k in range(heave.shape[1]):
@@ -95,7 +98,7 @@ def modal_motions(heave, tilt, states, out):
 
 @dataclass(frozen=True)
 class TerrainModes:
-    """Terrain carried by its independent coordinates, whose mass matrix is the identity."""
+    """Terrain in its independent coordinates; their mass matrix is the identity."""
 
     heave: np.ndarray  # (units, coordinates): heave of each unit (m) per unit of a coordinate
     tilt: np.ndarray  # (units, coordinates): tilt of each unit (rad)
@@ -110,7 +113,7 @@ class TerrainModes:
         return self.heave.shape[1]
 
     def motion(self, q: np.ndarray) -> np.ndarray:
-        """Displacement (x, y, z) and tilt of the units, or their rates: array (..., units, 4), m and rad.
+        """Return displacement (x, y, z) and tilt of the units, or their rates: (..., units, 4), m and rad.
 
         `q` (..., size) are coordinates, or their rates.
         """
@@ -120,13 +123,13 @@ class TerrainModes:
         return units
 
     def project(self, wrenches: np.ndarray) -> np.ndarray:
-        """Generalized forces (size,) of forces and moments on the units (units, 6)."""
+        """Return the generalized forces (size,) of forces and moments on the units (units, 6)."""
         return np.asarray(wrenches[:, 2] @ self.heave + wrenches[:, 3 + self.tilt_axis] @ self.tilt)
 
     def sunk_evenly(self, heave: float) -> np.ndarray:
-        """Coordinates (size,) at which all units heave by the same (m) and none tilts.
+        """Return coordinates (size,) at which all units heave by the same (m) and none tilts.
 
-        A combination of the modes, since the units meet at one height everywhere.
+        The modes can combine to this motion, because the units meet at one height everywhere.
         """
         shapes = np.vstack((self.heave, self.tilt))
         return np.linalg.lstsq(shapes, np.repeat([heave, 0.0], len(self.heave)), rcond=None)[0]
@@ -144,21 +147,21 @@ class UnitCoordinates:
 
     @property
     def size(self) -> int:
-        """Number of coordinates: six a unit."""
+        """Number of coordinates: six for each unit."""
         return 6 * self.unit_count
 
     def motion(self, q: np.ndarray) -> np.ndarray:
-        """Displacement and tilt of the units, or their rates: array (..., units, 4)."""
+        """Return displacement and tilt of the units, or their rates: array (..., units, 4)."""
         bodies = q.reshape(*q.shape[:-1], self.unit_count, 6)
         # a list as an index would give columns, for which kernels are compiled once more
         return np.take(bodies, [0, 1, 2, 3 + self.tilt_axis], axis=-1)
 
     def project(self, wrenches: np.ndarray) -> np.ndarray:
-        """Generalized forces (size,); moments beside the tilt's only load what holds the units."""
+        """Return the generalized forces (size,); moments other than the tilt's load only the units' holds."""
         return wrenches.ravel()
 
     def sunk_evenly(self, heave: float) -> np.ndarray:
-        """Coordinates (size,) at which all units heave by the same (m) and none tilts."""
+        """Return coordinates (size,) at which all units heave by the same (m) and none tilts."""
         return np.tile([0.0, 0.0, heave, 0.0, 0.0, 0.0], self.unit_count)
 
 
@@ -166,10 +169,10 @@ TerrainCoordinates = TerrainModes | UnitCoordinates
 
 
 def terrain_modes(terrain: Terrain) -> TerrainModes:
-    """Vibration modes of a terrain whose neighbouring units meet at one height.
+    """Return the vibration modes of a terrain whose neighbouring units meet at one height.
 
-    Every shared face gives one equation between the heaves and tilts of two units; the modes span the
-    null space of all of them, for 10 x 5 pitching units 10 + 5 and for 19 x 13 units 19 + 13.
+    Every shared face gives one equation between the heaves and tilts of two units. The modes span the null
+    space of all equations: 10 + 5 modes for 10 x 5 pitching units, 19 + 13 for 19 x 13 units.
     """
     count = terrain.unit_count
     joints = terrain_joints(terrain)
@@ -200,15 +203,15 @@ def terrain_modes(terrain: Terrain) -> TerrainModes:
 
 
 def localized(modes: TerrainModes, units: np.ndarray) -> TerrainModes:
-    """Same terrain in coordinates of which only the first few move these units (indices from 0).
+    """Return the terrain in coordinates whose first few alone move these units (indices from 0).
 
-    The units are those that the track can touch. An orthogonal change of coordinates, so the mass matrix
-    stays the identity; it makes the derivatives of the contact forces sparse. The coordinates follow from the
-    terrain and the units alone: many modes have one frequency and any mixture of them serves, but a stored
-    state has to mean the same on another machine.
+    The units are those that the track can touch. The change of coordinates is orthogonal, so that the mass
+    matrix stays the identity. It makes the derivatives of the contact forces sparse. The coordinates follow
+    from the terrain and the units alone. Many modes have one frequency and any mixture of them serves, but a
+    stored state must mean the same on another machine.
     """
     heaves, tilts = (np.linalg.norm(rows, axis=1).max() for rows in (modes.heave, modes.tilt))
-    # this length makes tilts comparable with heaves; it is the terrain's, whatever its coordinates
+    # this length makes tilts comparable with heaves; it does not depend on the terrain's coordinates
     shapes = np.vstack((modes.heave, modes.tilt * (heaves / tilts)))
     near = shapes[np.concatenate((units, len(modes.heave) + units))]
     _, values, turned = np.linalg.svd(near, full_matrices=True)
@@ -226,10 +229,10 @@ def localized(modes: TerrainModes, units: np.ndarray) -> TerrainModes:
 
 
 def _settled(rows: np.ndarray) -> np.ndarray:
-    """Directions (k, k), orthonormal, that rows (n, k) name one after the other, whatever axes these are in.
+    """Return orthonormal directions (k, k) given by rows (n, k) in their order.
 
-    Each is the first row whose rest beside the directions before it is large: of equally large ones rounding
-    would choose.
+    They do not depend on the axes of the rows. Each direction is the first row with a large remainder
+    orthogonal to the directions before it. Among equally large rows rounding would choose.
     """
     rest = rows.copy()
     count = rows.shape[1]
@@ -243,13 +246,13 @@ def _settled(rows: np.ndarray) -> np.ndarray:
 
 
 def _clean(shapes: np.ndarray) -> np.ndarray:
-    """Shapes with what is only rounding set to zero, in the memory order that compiled code takes."""
+    """Return shapes with rounding errors set to zero, in the memory order that compiled code takes."""
     small = np.abs(shapes) < 1e-12 * np.abs(shapes).max()
     return np.ascontiguousarray(np.where(small, 0.0, shapes))
 
 
 def units_near(terrain: Terrain, corners: np.ndarray, margin: float) -> np.ndarray:
-    """Indices (from 0) of the units within `margin` (m) of the bounding rectangle of `corners`."""
+    """Return the indices (from 0) of the units within `margin` (m) of the bounding rectangle of `corners`."""
     low = corners.min(axis=0) - margin
     high = corners.max(axis=0) + margin
     centers = terrain.centers[:, :2]
@@ -259,13 +262,13 @@ def units_near(terrain: Terrain, corners: np.ndarray, margin: float) -> np.ndarr
 
 
 def reduced_coordinates(case: Case) -> TerrainModes:
-    """Independent coordinates of a case's terrain, of which the track moves as few as possible."""
+    """Return a case's terrain in independent coordinates; the track moves as few of them as possible."""
     terrain = case.part(Terrain)
     return localized(terrain_modes(terrain), units_near(terrain, case.outline(0.0), REACH))
 
 
 def terrain_coordinates(case: Case) -> TerrainCoordinates:
-    """Coordinates of a case's terrain; Exudyn's contact of spheres needs the units as bodies."""
+    """Return the coordinates of a case's terrain; Exudyn's contact of spheres needs the units as bodies."""
     if case.terrain_formulation == "constrained" or case.contact.model == "spheres":
         return UnitCoordinates(case.part(Terrain).unit_count, case.part(Terrain).tilt_axis)
     return reduced_coordinates(case)

@@ -1,4 +1,4 @@
-"""Contact of a track with ground of cells, as a history has it: one contact a shoe."""
+"""Contact of a track with ground of cells, as a history stores it: one contact for each shoe."""
 
 from typing import cast
 
@@ -17,9 +17,9 @@ from exudyn_crawler.ground.packed import FloatArray
 from exudyn_crawler.ground.terrain import TerrainCoordinates, TerrainModes
 
 ACROSS = 15
-"""Places across the track where its ground is looked at before shoes are put down."""
+"""Number of points across the track at which the ground is sampled before shoes are put down."""
 NO_UNIT = -1
-"""In place of a unit's number."""
+"""Flag instead of a unit's number."""
 NOTHING = (0.0, 0.0, 0.0)
 
 
@@ -48,13 +48,13 @@ class CellGroundContact:
 
     @property
     def size(self) -> int:
-        """Number of generalized coordinates without modes: six a shoe."""
+        """Number of generalized coordinates without modes: six for each shoe."""
         return self.shoe_reference.size
 
     def results(
         self, q: np.ndarray, _q_t: np.ndarray, stored: np.ndarray | None = None
     ) -> tuple[np.ndarray, np.ndarray]:
-        """Contacts that states have stored: one a shoe, of no area where it hangs in the air.
+        """Return the stored contacts of states: one for each shoe, with no area if it hangs in the air.
 
         See `ground.contact.GroundContact`.
         """
@@ -64,14 +64,14 @@ class CellGroundContact:
         return rows.reshape(-1, pairs.RESULTS), np.full(len(rows), rows.shape[1])
 
     def surface(self, x: np.ndarray) -> np.ndarray:
-        """Height (m) at places x (m) of the straight line on which a chain lies that is put on the ground."""
+        """Return the height (m) at x (m) of the straight line on which a chain is put on the ground."""
         shoe = self._case.shoe
         places = self.shoe_reference[:, 0]
         x0, x1 = places.min(), places.max()
         along = np.arange(x0 - shoe.length, x1 + shoe.length, self.ground.tiles.cell)
         across = self._middle + np.linspace(-0.5, 0.5, ACROSS) * shoe.width
         heights = self._case.part(CellTerrain).surface(*np.meshgrid(along, across)).max(axis=0)
-        # beyond the chain's ends a measured map may end
+        # a measured map may end beyond the chain's ends
         known = np.isfinite(heights)
         along = along[known]
         heights = heights[known]
@@ -83,9 +83,9 @@ class CellGroundContact:
 def write_contacts(shoes: ShoePoints, frames: FloatArray, out: FloatArray) -> None:
     """Write a contact of every shoe (shoes, RESULTS or more) after it was pressed on the cells.
 
-    The penetration is the mean sinkage of the loaded area, its rate and the slip velocity those of the shoe
-    at the centre of pressure, the normal force that of all normal tractions, and the friction torque what the
-    moment about the centre of pressure has beside these forces.
+    The penetration is the mean sinkage of the loaded area. Its rate and the slip velocity are those of the
+    shoe at the centre of pressure. The normal force is that of all normal tractions. The friction torque is
+    the moment about the centre of pressure that these forces do not have.
     """
     for s in range(frames.shape[0]):
         frame = frame_at(frames[s])
@@ -117,7 +117,7 @@ def write_contacts(shoes: ShoePoints, frames: FloatArray, out: FloatArray) -> No
         up = (frame.R[0][2], frame.R[1][2], frame.R[2][2])
         total = (wrench[0], wrench[1], wrench[2])
         normal = scaled(1.0 / size, pushed)
-        # where the line of the normal forces meets the underside
+        # intersection of the normal forces' line of action with the underside
         arm = scaled(1.0 / size**2, cross(pushed, moment))
         arm = along(arm, (shoes.corners[0, 2] - dot(up, arm)) / dot(up, normal), normal)
         place = along(frame.r, 1.0, arm)

@@ -13,17 +13,17 @@ from exudyn_crawler.ground.cells.law import CellLaw
 from exudyn_crawler.ground.cells.tiles import BITS, FIELDS, MEMORY, SIDE, Tiles, commit
 
 COARSE = (3, 9)
-"""Nodes along and across an underside that forces are kept at: bending moments err by 2.4 % on sand, by 6 %
-on two stones."""
+"""Nodes along and across an underside at which forces are stored: bending moments err by 2.4 % on sand, by 6
+% on two stones."""
 
 
 class CellGround:
-    """Cells of a side (m) with memory under a number of shoes whose underside is a rectangle.
+    """Cells with memory under the shoes of a track whose underside is a rectangle.
 
-    `corners` are as in `ShoePoints`; shoes in the rows `flexible` bend. The equations take the arrays of
-    `shoes`; `tiles` is the map, another one after `cover` where the shoes come to new ground. `share` of the
-    rectangle presses on the cells, evenly spread over it, and sinks as a plate of a `breadth` (m), that of
-    the rectangle if it is not given.
+    `cell` is the side of a cell (m). `corners` are as in `ShoePoints`; the shoes `flexible` bend. The
+    equations use the arrays of `shoes`. `tiles` is the map; `cover` replaces it where the shoes reach new
+    ground. Only `share` of the rectangle presses on the cells, evenly spread over it. It sinks as a plate of
+    width `breadth` (m), by default that of the rectangle.
     """
 
     def __init__(
@@ -63,10 +63,10 @@ class CellGround:
         )
 
     def cover(self, frames: np.ndarray, before: np.ndarray) -> None:
-        """Freeze which cells lie under the shoes, with their memory, for one step.
+        """Freeze the cells under the shoes, with their memory, for one step.
 
-        `frames` (shoes, `layouts.FRAME`) are predicted for the end of the step, those `before` are of the
-        last accepted one. LeftMapError if a shoe leaves the ground that has heights.
+        `frames` (shoes, `layouts.FRAME`) are predicted for the end of the step; `before` are those of the
+        last accepted step. Raises `LeftMapError` if a shoe leaves the ground with heights.
         """
         missing = tiles.cover(self._block, frames, before)
         if missing == tiles.NO_TILE:
@@ -82,16 +82,16 @@ class CellGround:
             self.shoes.areas[:] *= self._share
 
     def press(self, frames: np.ndarray, weights: tuple[float, float] = (0.0, 0.0)) -> np.ndarray:
-        """Wrenches (shoes, 6) on the shoes at their frames, N and N m about the frames' origins, global.
+        """Return the wrenches (shoes, 6) on the shoes at their frames, N and N m, global.
 
-        `weights` are those of `pressing.press`, which compiled equations call; the tangents are in
-        ``shoes.tangent``.
+        Moments are about the frames' origins. `weights` are those of `pressing.press`, which compiled
+        equations call; the tangents are in ``shoes.tangent``.
         """
         pressing.press(self.shoes, frames, np.array(weights, dtype=float))
         return self.shoes.wrench
 
     def commit(self) -> None:
-        """Let the cells remember the last `press`: once, where a step is accepted."""
+        """Store the memory of the last `press` in the cells: once, after a step is accepted."""
         if self._share == 1.0:
             self._held = commit(self._block, self._held)
             return
@@ -103,16 +103,16 @@ class CellGround:
         areas[:] = pressed
 
     def coarse_forces(self, frames: np.ndarray) -> np.ndarray:
-        """Forces of the last `press` on a grid of each underside: ``(shoes, *COARSE, 3)``, N, shoes' axes."""
+        """Return the forces of the last `press` on the grids: ``(shoes, *COARSE, 3)``, N, shoes' axes."""
         out = np.zeros((len(self.shoes.counts), *COARSE, 3))
         pressing.coarse_forces(self.shoes, frames, out)
         return out
 
     def state(self) -> dict[str, np.ndarray]:
-        """Committed memory, from which `restore` goes on bit for bit.
+        """Return the committed memory, from which `restore` continues bit for bit.
 
-        ``cells`` (n, 2), columns and rows of the cells that are not fresh, in the order in which they are
-        stored, ``memory`` (n, FIELDS), and ``held`` (m,), which of these are in contact.
+        ``cells`` (n, 2) are columns and rows of the cells that are not fresh, in their order of storage.
+        ``memory`` (n, FIELDS) is theirs, and ``held`` (m,) are those in contact.
         """
         touched = (self.tiles.memory != self._fresh(1)).any(axis=1)
         touched[self._held] = True
@@ -122,7 +122,7 @@ class CellGround:
         return {"cells": cells, "memory": self.tiles.memory[rows], "held": np.searchsorted(rows, self._held)}
 
     def restore(self, state: Mapping[str, np.ndarray]) -> None:
-        """Take a state as in `state`, on ground that is fresh otherwise."""
+        """Restore a state as in `state`, on ground that is fresh otherwise."""
         self.tiles.memory[:] = self._fresh(len(self.tiles.memory))
         cells = state["cells"]
         self._make_tiles(map(tuple, np.unique(cells >> BITS, axis=0).tolist()))
@@ -133,7 +133,7 @@ class CellGround:
         self._held = rows[state["held"]]
 
     def press_in(self, earlier: Mapping[str, np.ndarray]) -> None:
-        """Let cells of fresh ground remember what `CellTerrain.earlier` names, m and Pa, and no shear."""
+        """Set the memory of fresh cells to the ruts of `CellTerrain.earlier`, m and Pa, without shear."""
         cells = np.column_stack((earlier["cell_column"], earlier["cell_row"]))
         nothing = np.zeros(0, np.int64)
         memory = self._fresh(len(cells))
@@ -142,7 +142,7 @@ class CellGround:
         self.restore({"cells": cells, "memory": memory, "held": nothing})
 
     def _add_tiles(self, frames: np.ndarray, before: np.ndarray) -> None:
-        """Make the tiles that are missing below the bounds of shoes, but for those that are astray."""
+        """Make the missing tiles below the bounds of the shoes, except for shoes that went astray."""
         rotations = frames[:, 3:12].reshape(-1, 3, 3)
         corners = frames[:, None, :2] + np.einsum("sik,ck->sci", rotations, self.shoes.corners)[..., :2]
         moved = np.abs(corners - before[:, None, :2]).max(axis=(1, 2))
@@ -159,7 +159,7 @@ class CellGround:
         self._make_tiles(sorted(wanted))
 
     def _make_tiles(self, wanted: Iterable[tuple[int, int]]) -> None:
-        """Make tiles, of which some may be there, with fresh memory."""
+        """Make tiles with fresh memory, unless they exist."""
         there = set(map(tuple, self._names.tolist()))
         names = np.array([tile for tile in wanted if tile not in there], dtype=np.int64)
         if len(names) == 0:
@@ -187,12 +187,12 @@ class CellGround:
         )
 
     def _take(self, larger: Tiles) -> None:
-        """Let a map take the place of the one before, also for compiled functions."""
+        """Replace the map by a larger one, also for compiled functions."""
         self.tiles = larger
         self._block = packed.pack(tiles.TilesUnderShoes(larger, self.shoes), tiles.UNDER_SHOES)
 
     def _fresh(self, count: int) -> np.ndarray:
-        """Memory of cells that no shoe has touched."""
+        """Return the memory of cells that no shoe has touched."""
         memory = np.zeros((count, FIELDS))
         memory[:, MEMORY.mobilized] = self.tiles.fresh
         return memory

@@ -1,9 +1,9 @@
 """Input and response of a law of the cells, and its compiled code by address.
 
 A law is one file of `laws`: a named tuple of its constants, two compiled functions (`prepare`, `respond`) and
-a class of parameters. The kernel is compiled once for each law, which it meets as the type of those
-constants. The equations call it by its address, so that neither they nor their cached code know any law: they
-are not compiled again for another one, and a law that another package brings needs no line here.
+a class of parameters. The kernel is compiled once for each law; the type of the constants identifies the law.
+The equations call it by its address, so that neither they nor their cached code depend on a law. They are not
+compiled again for another law, and a law of another package needs no line here.
 """
 
 from collections.abc import Callable
@@ -26,15 +26,14 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 DRAWN = 400e3
-"""Pa, up to which curves are drawn."""
+"""Greatest pressure (Pa) of drawn curves."""
 
 
 class Memory(NamedTuple):
     """Memory of a cell: committed, or on trial within a step.
 
-    `deepest` is the greatest sinkage (m) and `pressure` the pressure there (Pa), `shear` the shear stress of
-    the ground in the cell's plane (Pa, global), `mobilized` the share of the strength that shear has
-    mobilized.
+    `deepest` is the greatest sinkage (m) and `pressure` the pressure there (Pa). `shear` is the shear stress
+    of the ground in the cell's plane (Pa, global), `mobilized` the mobilized share of the shear strength.
     """
 
     deepest: float
@@ -44,11 +43,12 @@ class Memory(NamedTuple):
 
 
 class Probe(NamedTuple):
-    """State of a cell under a shoe, as a law sees it.
+    """State of a cell under a shoe, as input of a law.
 
-    Depth (m) below the cell's first height along its normal and its rate (m/s); the slip since the last
-    accepted step (m) and its velocity (m/s), vectors in the cell's plane; the committed memory; and what
-    `prepare` has made of that: the modulus of unloading (Pa/m) and the shear stiffness (Pa/m).
+    It has the depth (m) below the cell's first height along its normal, and its rate (m/s). The slip since
+    the last accepted step (m) and its velocity (m/s) are vectors in the cell's plane. The committed memory
+    follows, and the result of `prepare` for it: the modulus of unloading (Pa/m) and the shear stiffness
+    (Pa/m).
     """
 
     depth: float
@@ -60,13 +60,13 @@ class Probe(NamedTuple):
 
 
 class Response(NamedTuple):
-    """Response of a law, a unit area: the shoe receives ``normal n - shear - drag * slip velocity``."""
+    """Response of a law per unit area: the shoe receives ``normal n - shear - drag * slip velocity``."""
 
     normal: float  # traction, Pa, and its derivatives by depth and rate
     normal_by_depth: float
     normal_by_rate: float
     shear: Vector  # Pa
-    tangential_by_depth: Vector  # how the shear and the drag change with the depth
+    tangential_by_depth: Vector  # derivative of shear and drag by the depth
     along: float  # derivative of the shear by a slip in the direction of `direction`, Pa/m
     across: float  # and by one across it
     direction: Vector  # unit vector, or zero where both derivatives are the same
@@ -77,11 +77,11 @@ class Response(NamedTuple):
 class LawKernel(NamedTuple):
     """Compiled side of a law.
 
-    `prepare` gives what stays the same through a step, `Probe.prepared`. Without `tangents` only `normal`,
-    `shear`, `drag` and `memory` of what `respond` answers are used. Powers and exponentials a processor
-    computes one at a time: `nearby` asks for an answer without, near to the committed memory, so that several
-    points are computed at once. Where there is none the normal traction is NaN, and the law is asked again; a
-    law may answer all the same.
+    `prepare` computes the values that are constant through a step, `Probe.prepared`. Without `tangents` only
+    `normal`, `shear`, `drag` and `memory` of the response are used. A processor computes powers and
+    exponentials one at a time. `nearby` therefore asks for a response near the committed memory without them,
+    so that several points are computed at once. Where no such response exists the normal traction is NaN, and
+    the law is evaluated again; a law may respond all the same.
     """
 
     constants: Any  # type of the named tuple of numbers (float)
@@ -114,11 +114,11 @@ class CellLaw(terrain.SoilLaw):
     )
 
     def constants(self, width: float) -> tuple[float, ...]:
-        """Constants of the compiled law for shoes whose shorter side is `width` (m)."""
+        """Return the constants of the compiled law for shoes whose shorter side is `width` (m)."""
         raise NotImplementedError
 
     def sinkage(self, pressure: float, width: float = 0.65) -> float:
-        """Sinkage (m) of a plate as wide as `width` (m) that is first loaded by a pressure (Pa)."""
+        """Return the sinkage (m) of a plate of `width` (m) on first loading by a pressure (Pa)."""
 
         def excess(depth: float) -> float:
             return float(self.drive(np.array([depth]), np.zeros(1), width)[0][0]) - pressure
@@ -131,9 +131,9 @@ class CellLaw(terrain.SoilLaw):
     def drive(
         self, depths: np.ndarray, slips: np.ndarray, width: float = 0.65
     ) -> tuple[np.ndarray, np.ndarray]:
-        """Pressure and shear stress (Pa) of a cell along a path of accepted steps without rates.
+        """Return pressure and shear stress (Pa) of a cell along a path of accepted steps without rates.
 
-        `depths` and `slips` (steps,) are depth and place along the cell, m; `width` is the shoe's shorter
+        `depths` and `slips` (steps,) are depth and position along the cell, m; `width` is the shoe's shorter
         side, m.
         """
         constants = self.constants(width)
@@ -174,12 +174,12 @@ _KERNELS: dict[type, LawKernel] = {}
 
 
 def prepare(law, deepest, pressure):
-    """`LawKernel.prepare` of the law that compiled code calls it with."""
+    """Evaluate `LawKernel.prepare` of the law with these constants."""
     return _KERNELS[type(law)].prepare(law, deepest, pressure)
 
 
 def respond(law, probe, tangents, nearby):
-    """`LawKernel.respond` of the law that compiled code calls it with."""
+    """Evaluate `LawKernel.respond` of the law with these constants."""
     return _KERNELS[type(law)].respond(law, probe, tangents, nearby)
 
 
@@ -196,7 +196,7 @@ def _respond(law, probe, tangents, nearby):
 
 
 def compile_entry(of_law: LawKernel, function: Callable, arguments: tuple) -> int:
-    """Address of a function compiled for a law; its cached code is valid until a source changes."""
+    """Return the address of a function compiled for a law; its cache is valid until a source changes."""
     _KERNELS[of_law.constants] = of_law
     # numba caches by this name, and a file of its cache is valid for the sources of one law
     function.__qualname__ = f"{of_law.constants.__module__}.{of_law.constants.__name__}.{function.__name__}"
@@ -209,7 +209,7 @@ def compile_entry(of_law: LawKernel, function: Callable, arguments: tuple) -> in
 
 @intrinsic
 def call_at(_context, address, *arguments):
-    """Call a compiled function at an address; arrays, and tuples of arrays, hand over their addresses."""
+    """Call a compiled function at an address; arrays, and tuples of arrays, are passed by address."""
 
     def generate(context, builder, signature, values):
         def handed(kind, value):

@@ -1,4 +1,4 @@
-"""Layouts of the numbers of points on cells, and of the shoes' frames: what stands in which row or column."""
+"""Layouts of the numbers of points on cells, and of the shoes' frames: meaning of each row or column."""
 
 from typing import NamedTuple
 
@@ -8,7 +8,8 @@ from exudyn_crawler.ground.frames import Frame, Matrix, Vector, along, turned
 from exudyn_crawler.ground.packed import FloatArray
 
 BLOCK = 64
-"""Points of a shoe that stand together, a row for each number: processors take several at once."""
+"""Number of points of a shoe in one block, with a row for each number: processors take several points at
+once."""
 
 
 class PointRows(NamedTuple):
@@ -17,8 +18,8 @@ class PointRows(NamedTuple):
     place: columns.Triple  # in the shoe's frame, m
     normal: columns.Triple  # of the cell
     ground: columns.Number  # distance of the cell's plane from the origin along its normal, m
-    before: columns.Triple  # where the place was when a step was last accepted, m, global
-    deepest: columns.Number  # of the cell's memory, as are the next four: greatest sinkage, m
+    before: columns.Triple  # the same place at the last accepted step, m, global
+    deepest: columns.Number  # of the cell's memory, like the next four: greatest sinkage, m
     pressure: columns.Number  # Pa, there
     prepared: columns.Pair  # see `Probe.prepared`
     shear: columns.Triple  # Pa
@@ -26,7 +27,7 @@ class PointRows(NamedTuple):
 
 
 class TrialColumns(NamedTuple):
-    """First columns of a point's memory on trial, and of the normal traction on the shoe."""
+    """First columns of a point's trial memory, and of the normal traction on the shoe."""
 
     deepest: columns.Number  # m
     pressure: columns.Number  # Pa
@@ -38,13 +39,13 @@ class TrialColumns(NamedTuple):
 class BlockRows(NamedTuple):
     """First rows of the workspace of a block."""
 
-    depth: columns.Number  # as are the next three: see `Probe`
+    depth: columns.Number  # like the next three: see `Probe`
     rate: columns.Number
     slip: columns.Triple
     velocity: columns.Triple
     arm: columns.Triple  # places of the points from their shoe's origin, m, global
     force: columns.Triple  # N
-    normal: columns.Number  # as are the next eight: see `Response`
+    normal: columns.Number  # like the next eight: see `Response`
     shear: columns.Triple
     drag: columns.Number
     by_depth: columns.Number
@@ -54,7 +55,7 @@ class BlockRows(NamedTuple):
     across: columns.Number
     direction: columns.Triple
     slopes: columns.Matrix  # see `ShoePoints.slopes`
-    again: columns.Number  # points that the law is asked about again
+    again: columns.Number  # points at which the law is evaluated again
 
 
 class FrameColumns(NamedTuple):
@@ -67,7 +68,7 @@ class FrameColumns(NamedTuple):
 
 
 class BentRows(NamedTuple):
-    """First rows of the motion of points by the modes of flexible shoes, shoes' axes."""
+    """First rows of points' motion by the modes of flexible shoes, in the shoes' axes."""
 
     moved: columns.Triple  # m
     rate: columns.Triple  # m/s
@@ -79,7 +80,7 @@ ROW = columns.columns_of(BlockRows)
 IN_FRAME = columns.columns_of(FrameColumns)
 BENT = columns.columns_of(BentRows)
 FRAME = columns.width_of(FrameColumns)
-"""Numbers of a frame."""
+"""Number of columns of a frame."""
 POINT_WIDTH = columns.width_of(PointRows)
 TRIAL_WIDTH = columns.width_of(TrialColumns)
 BLOCK_WIDTH = columns.width_of(BlockRows)
@@ -88,19 +89,19 @@ BENT_WIDTH = columns.width_of(BentRows)
 
 @inner
 def triple(row: FloatArray, first: int) -> Vector:
-    """Return three numbers of a row from a column on."""
+    """Return three numbers of a row, starting at a column."""
     return row[first], row[first + 1], row[first + 2]
 
 
 @inner
 def triple_of(rows: FloatArray, first: int, k: int) -> Vector:
-    """Return three numbers of a column k from a row on."""
+    """Return three numbers of column k, starting at a row."""
     return rows[first, k], rows[first + 1, k], rows[first + 2, k]
 
 
 @inner
 def frame_at(row: FloatArray) -> Frame:
-    """Return a frame of its numbers (FRAME,)."""
+    """Return the frame in a row (FRAME,)."""
     x = IN_FRAME.R
     return Frame(
         triple(row, IN_FRAME.r),

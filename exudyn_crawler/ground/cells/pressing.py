@@ -1,8 +1,8 @@
 """Forces of the cells on shoes, compiled: wrench and its derivative, trial memory, a coarse grid of forces.
 
-A shoe is a list of points that `tiles.cover` froze for the step: a place on its underside, the cell below
-it and the area that it stands for. Nothing here reads or writes the map of the ground. Derivatives leave out
-how the areas change as the outline moves (1 % of them) and how turning arms turn velocities (0.2 % at 0.1
+A shoe is a list of points that `tiles.cover` froze for the step: each has a location on the underside, a cell
+below it and an area. Nothing here reads or writes the map of the ground. Derivatives neglect the change of
+the areas as the outline moves (1 % of them) and the effect of rotating arms on velocities (0.2 % at 0.1
 rad/s).
 """
 
@@ -39,11 +39,11 @@ from exudyn_crawler.ground.packed import FloatArray, IntArray
 NOTHING = (0.0, 0.0, 0.0)
 
 Law = Any
-"""Constants of a law, in a named tuple of their own; its type tells the compiler the law."""
+"""Constants of a law, in the law's own named tuple; its type tells the compiler the law."""
 
 
 class ShoePoints(NamedTuple):
-    """Points of the shoes and what the kernel makes of them; all arrays stay the same through a run."""
+    """Points of the shoes and the results of the kernel; all arrays stay the same through a run."""
 
     addresses: packed.Ints1  # (2,): of the compiled law: `prepare` and `press`
     constants: packed.Floats1  # of the law
@@ -60,7 +60,7 @@ class ShoePoints(NamedTuple):
     block: packed.Floats2  # (BLOCK_WIDTH, BLOCK): workspace of the points that are computed together
     # (shoes,): row of each shoe in the next two: all rigid ones share the first, which stays in the cache
     bending: packed.Ints1
-    # (1 + flexible shoes, blocks, BENT_WIDTH, BLOCK): how the points of flexible shoes are moved
+    # (1 + flexible shoes, blocks, BENT_WIDTH, BLOCK): motion of the points of flexible shoes
     bent: packed.Floats4
     # (1 + flexible shoes, 9 most): weighted derivative of each point's force by its displacement: array
     # (9, points), its rows one after the other
@@ -70,7 +70,7 @@ class ShoePoints(NamedTuple):
     def allocate(
         cls, law: LawKernel, constants: ArrayLike, corners: ArrayLike, most: int, bending: IntArray
     ) -> "ShoePoints":
-        """Arrays of shoes with so many points at most each, on cells of a law; `bending` is as above."""
+        """Return arrays for shoes with at most `most` points each; `bending` is the field of that name."""
         shoes = len(bending)
         bend = 1 + int(bending.max(initial=0))
         blocks = -(-most // BLOCK)
@@ -160,7 +160,7 @@ def _write_response(
 def _respond(
     law: Law, points: FloatArray, tangents: bool, size: int, block: FloatArray, trial: FloatArray
 ) -> None:
-    """Write the response of a law to a block whose motion is written, and the memory on trial."""
+    """Write a law's response to a block of known motion, and the trial memory."""
     for k in range(size):
         _write_response(law, points, tangents, True, block, trial, k)
     count = 0
@@ -186,7 +186,7 @@ def _push(points: FloatArray, areas: FloatArray, size: int, block: FloatArray) -
 def _slope(
     points: FloatArray, areas: FloatArray, by_place: float, by_velocity: float, size: int, block: FloatArray
 ) -> None:
-    """Write the weighted derivatives of the forces of a block's points by displacements, its last rows.
+    """Write weighted derivatives of the forces of a block's points by displacements, its last rows.
 
     They are ``b n' + h m' + c 1``; the depth falls along n.
     """
@@ -277,8 +277,9 @@ def _write_tangent(
 ) -> None:
     """Write the derivative of a wrench by motions of its shoe, from those (9, points) of its points.
 
-    The arms are linear in the places X, Y on the underside. So the sums of the derivatives times 1, X, Y, X2,
-    XY and Y2 suffice, whatever the number of points; `forces` are the sums of the forces times 1, X, Y.
+    The arms are linear in the coordinates X, Y on the underside. The sums of the derivatives times 1, X, Y,
+    X2, XY and Y2 therefore suffice for any number of points; `forces` are the sums of the forces times 1, X,
+    Y.
     """
     count = slopes.shape[1]
     monomials = np.empty((count, 6))
@@ -293,7 +294,7 @@ def _write_tangent(
     sums = np.dot(slopes, monomials)
     z = points[0, POINT.place + 2, 0] if count > 0 else 0.0
     _congruence(sums, R, z, tangent)
-    # the arms turn under the forces: sum of a f' - (a . f) 1
+    # the arms rotate while the forces stay: sum of a f' - (a . f) 1
     trace = 0.0
     for j in range(3):
         for i in range(3):
@@ -345,7 +346,7 @@ def prepare_points(law: Law, count: int, points: FloatArray) -> None:
 
 @cache
 def addresses_of(of_law: LawKernel) -> tuple[int, int]:
-    """Addresses of `prepare_points` and `press_shoe` compiled for a law."""
+    """Return the addresses of `prepare_points` and `press_shoe` compiled for a law."""
     constants_type = of_law.constants
     size = len(of_law.constants._fields)
     numbers = types.CPointer(types.float64)
@@ -384,8 +385,8 @@ def addresses_of(of_law: LawKernel) -> tuple[int, int]:
 def press(shoes: ShoePoints, frames: FloatArray, weights: FloatArray) -> None:
     """Write wrenches, tangents, forces and trial memory of all shoes at their frames (shoes, FRAME).
 
-    `weights` (2,) are those of the derivatives by displacements and by velocities; without any, the tangents
-    are left as they are.
+    `weights` (2,) are those of the derivatives by displacements and by velocities; if both are zero, the
+    tangents are not written.
     """
     for s in range(shoes.counts.shape[0]):
         row = shoes.bending[s]
@@ -404,7 +405,7 @@ def press(shoes: ShoePoints, frames: FloatArray, weights: FloatArray) -> None:
 
 
 class Hats(NamedTuple):
-    """First node of the mesh of an even grid that a place is in, and how far within; bilinear hats there."""
+    """Mesh of an even grid around a point: its first node, and the coordinates in it; bilinear hats."""
 
     i: int
     j: int
@@ -414,7 +415,7 @@ class Hats(NamedTuple):
 
 @inner
 def hats_at(low: FloatArray, high: FloatArray, last: tuple[int, int], x: float, y: float) -> Hats:
-    """Mesh of a place (m, the shoe's frame) in a grid of which `low` and `high` are the corners."""
+    """Return the mesh of a point (m, the shoe's frame) in a grid with corners `low` and `high`."""
     u = (x - low[0]) / (high[0] - low[0]) * last[0]
     v = (y - low[1]) / (high[1] - low[1]) * last[1]
     i, j = min(max(int(u), 0), last[0] - 1), min(max(int(v), 0), last[1] - 1)
@@ -423,7 +424,7 @@ def hats_at(low: FloatArray, high: FloatArray, last: tuple[int, int], x: float, 
 
 @inner
 def share_of(hats: Hats, k: int) -> float:
-    """Share of a place that the k-th node of its mesh has."""
+    """Return the weight of the k-th node of a mesh at a point."""
     u = hats.u if k >= 2 else 1.0 - hats.u
     return u * (hats.v if k % 2 == 1 else 1.0 - hats.v)
 
@@ -436,9 +437,9 @@ def spread_forces(
     high: FloatArray,
     nodes: FloatArray,
 ) -> None:
-    """Add forces (count, 3) at the points of a shoe to the nodes (a, b, 3) of a grid of it, global, N.
+    """Add forces (count, 3) at the points of a shoe to the nodes (a, b, 3) of its grid, global, N.
 
-    A force goes to the four nodes about its point, which keeps forces and moments, and bending moments at the
+    A force goes to the four nodes around its point. This keeps forces and moments, and bending moments at the
     lines of nodes.
     """
     last = nodes.shape[0] - 1, nodes.shape[1] - 1

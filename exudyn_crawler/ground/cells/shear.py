@@ -1,4 +1,4 @@
-"""Parts that laws of the cells share: elastic-plastic shear by Janosi and Hanamoto, damping, their answer."""
+"""Shared parts of the laws of the cells: elastic-plastic shear by Janosi and Hanamoto, damping, response."""
 
 import math
 from typing import NamedTuple
@@ -8,20 +8,20 @@ from exudyn_crawler.ground.compiled import inlined, kernel
 from exudyn_crawler.ground.frames import Vector, along, dot, scaled
 
 COHESION_PRESSURE = 1e3
-"""Pa, pressure at which half of the cohesion acts: strength then falls to nothing with the pressure, without
-a jump where a shoe lifts off. Chosen here; it takes 0.5 % off the cohesion at 200 kPa."""
+"""Pressure (Pa) at which half of the cohesion acts: strength then falls to zero with the pressure, without a
+jump where a shoe lifts off. Chosen here; it takes 0.5 % off the cohesion at 200 kPa."""
 
 NOTHING = (0.0, 0.0, 0.0)
 HALF = 0.5
 SIXTH = 1.0 / 6.0
 SMALL = 0.02
-"""Plastic slip, in shear deformations, up to which a series has the exponential of it."""
+"""Plastic slip, in shear deformations, up to which a series gives its exponential."""
 
 
 class Strength(NamedTuple):
     """Cohesion c (Pa), tangent of the friction angle, shear deformation K (m), viscosity of shear (s).
 
-    The viscosity acts where shear sticks, and lets a stuck shoe come to rest.
+    The viscosity acts where shear sticks, and brings a stuck shoe to rest.
     """
 
     cohesion: float
@@ -44,7 +44,7 @@ class Shear(NamedTuple):
 
 @kernel
 def shear_strength(law: Strength, pressure: float) -> tuple[float, float]:
-    """Shear strength T (Pa) at a pressure, and its derivative: ``p (tan phi + c / (p + p_c))``."""
+    """Return the shear strength T (Pa) at a pressure, ``p (tan phi + c / (p + p_c))``, and its derivative."""
     share = 1.0 / (pressure + COHESION_PRESSURE)
     derivative = law.friction + law.cohesion * COHESION_PRESSURE * share * share
     return pressure * (law.friction + law.cohesion * share), derivative
@@ -52,7 +52,7 @@ def shear_strength(law: Strength, pressure: float) -> tuple[float, float]:
 
 @inlined
 def _decay(x: float, nearby: bool) -> float:
-    """``exp(-x)``: where x is small by its series, exact to rounding, else NaN if it is for `nearby`."""
+    """Return ``exp(-x)``, by a series exact to rounding for a small x; otherwise NaN if `nearby`."""
     if x > SMALL:
         return math.nan if nearby else math.exp(-x)
     return 1.0 - x * (
@@ -62,13 +62,13 @@ def _decay(x: float, nearby: bool) -> float:
 
 @inlined
 def sheared(law: Strength, probe: Probe, pressure: float, tangents: bool, nearby: bool) -> Shear:
-    """Shear stress after the slip of a step.
+    """Return the shear stress after the slip of a step.
 
-    Elastic with the stiffness ``T / K`` of the greatest pressure that the cell has had; where that exceeds
-    the mobilized share r of the strength T, r grows to ``1 - (1 - r) exp(-e / K)`` with the plastic slip e,
-    and the stress is turned back to ``T r``. From fresh ground (r = 0) this is the curve of Janosi and
-    Hanamoto, ``T (1 - exp(-j / K))``, for steps of any size; from r = 1 it is Coulomb friction with sticking.
-    The stiffness never falls while a cell is in contact, so that no cycle of pressure and slip makes energy.
+    The stress is elastic with the stiffness ``T / K`` of the greatest pressure so far. If it exceeds the
+    mobilized share r of the strength T, r grows to ``1 - (1 - r) exp(-e / K)`` with the plastic slip e, and
+    the stress returns to ``T r``. From fresh ground (r = 0) this is the curve of Janosi and Hanamoto, ``T (1
+    - exp(-j / K))``, for steps of any size. From r = 1 it is Coulomb friction with sticking. The stiffness
+    never falls while a cell is in contact, so that no cycle of pressure and slip makes energy.
     """
     T, T_p = shear_strength(law, pressure)
     memory = probe.memory
@@ -124,19 +124,19 @@ def answer(
     tangents: bool,
     nearby: bool = False,
 ) -> Response:
-    """Response of ground in contact.
+    """Return the response of ground in contact.
 
     Parameters
     ----------
     damping : float
-        s/m; the pressure p becomes ``p (1 + damping rate)``, never a pull. Strength is that of p alone: an
-        impact lends none.
+        s/m; the pressure p becomes ``p (1 + damping rate)``, never a pull. The strength is that of p alone:
+        an impact adds none.
     normal : tuple
         Pressure (Pa) and its derivative by depth.
     after : Memory
-        On trial, but for the shear.
+        Trial memory except for the shear.
     nearby : bool
-        Asks for an answer near to the committed memory, see `LawKernel`.
+        Ask for a response near the committed memory, see `LawKernel`.
     """
     pressure, slope = normal
     shear = sheared(law, probe, pressure, tangents, nearby)
@@ -157,5 +157,5 @@ def answer(
 
 @inlined
 def lifted(after: Memory) -> Response:
-    """Response of ground without contact, with this memory on trial."""
+    """Return the response of ground without contact, with `after` as trial memory."""
     return Response(0.0, 0.0, 0.0, NOTHING, NOTHING, 0.0, 0.0, NOTHING, 0.0, after)

@@ -1,8 +1,8 @@
-"""Map of the ground: planes and memory of its cells, in tiles that are made where a shoe first comes.
+"""Map of the ground: planes and memory of its cells, in tiles that are made where a shoe first arrives.
 
-Cell (i, j) is the square from (i, j) to (i + 1, j + 1) times its side. A tile is 32 x 32 of them. Only
-`gather` reads the memory and only `commit` writes it: a step that is not accepted needs nothing undone. Which
-cells lie under a shoe, and how much of each, seen from above, are sums over the edges of its outline.
+Cell (i, j) is the square from (i, j) to (i + 1, j + 1) times its side. A tile is 32 x 32 cells. Only `gather`
+reads the memory and only `commit` writes it, so that a rejected step needs no undo. The cells under a shoe,
+and the covered area of each, seen from above, are sums over the edges of its outline.
 """
 
 import math
@@ -22,14 +22,15 @@ BITS = 5
 SIDE = 1 << BITS
 """Cells along a side of a tile."""
 LEAST = 1e-9
-"""Share of a cell below which a part of it is left out."""
+"""Smallest covered share of a cell that counts."""
 FARTHEST = 100.0
-"""m along x or y from where a shoe was before: farther it meets no ground.
+"""Distance (m) along x or y from its earlier position beyond which a shoe meets no ground.
 
-No step is that long. Newton's method went astray, and a map of all tiles up to there would fill the memory.
+No step is that long: Newton's method went astray, and a map of all tiles up to there would fill the memory.
 """
 NO_TILE, NO_HEIGHT = -1, -2
-"""In place of a number of points: a tile has to be made first; a shoe is beyond all heights."""
+"""Flags instead of a number of points: NO_TILE, a tile must be made first; NO_HEIGHT, a shoe is beyond all
+heights."""
 
 
 class MemoryColumns(NamedTuple):
@@ -44,15 +45,15 @@ class MemoryColumns(NamedTuple):
 
 MEMORY = columns.columns_of(MemoryColumns)
 FIELDS = columns.width_of(MemoryColumns)
-"""Numbers that a cell remembers."""
+"""Number of values in a cell's memory."""
 
 
 class Tiles(NamedTuple):
-    """The map as arrays; a larger one takes its place where tiles are added."""
+    """Map as arrays; a larger one replaces it where tiles are added."""
 
     cell: float  # side of a cell, m
     fresh: float  # mobilized share of fresh ground
-    forgets: bool  # whether cells that are left forget their sinkage
+    forgets: bool  # True if cells without contact forget their sinkage
     corner: Ints1  # (2,): tile of the first entry of the table
     table: Ints2  # (columns, rows): number of a tile, -1 where there is none
     # (tiles, SIDE * SIDE, 4): normals of cells, and distances from the origin along these, m; NaN where there
@@ -75,10 +76,10 @@ _read = packed.reader(UNDER_SHOES)
 
 @inner
 def gather(tiles: Tiles, shoes: ShoePoints) -> None:
-    """Write the cells' committed memory beside the points, whose areas `tiles.loaded` has summed.
+    """Write the cells' committed memory beside the points; `tiles.loaded` holds the sums of their areas.
 
-    Where a cell is covered further than ever since its contact began, the fresh part is unsheared, and the
-    shear becomes the mean of both. This is exact for Janosi's curve, whose ``1 - share`` decays alike
+    If a cell is covered further than ever since its contact began, the new part is unsheared, and the shear
+    becomes the mean of both. This is exact for Janosi's curve, since its ``1 - share`` decays alike
     everywhere.
     """
     memory = tiles.memory
@@ -111,7 +112,7 @@ def gather(tiles: Tiles, shoes: ShoePoints) -> None:
 def cover(block: IntArray, frames: FloatArray, before: FloatArray) -> int:
     """List the points of all shoes, with the memory below; return their number, `NO_TILE` or `NO_HEIGHT`.
 
-    `block` are packed `TilesUnderShoes`. The outlines are at `frames` (shoes, FRAME), slip counts from those
+    `block` are packed `TilesUnderShoes`. The outlines are at `frames` (shoes, FRAME); slip counts from
     `before`.
     """
     tiles = _read(block).tiles
@@ -140,11 +141,11 @@ def cover(block: IntArray, frames: FloatArray, before: FloatArray) -> int:
 
 @inner(allocates=True)
 def _sums(outline: FloatArray, i: int, j: int) -> FloatArray:
-    """Sum what the edges of an outline (4, 2), in cells, bound in the cells from (i, j) on.
+    """Return sums over the edges of an outline (4, 2), in cells, for the cells from (i, j) on.
 
-    By Green's theorem: an edge bounds from below the rest of each cell that it passes, and all cells above.
-    Array (columns, rows, 5): in the cell, area and its moments along x and y about the cell's corner; in each
-    cell above, area and its moment along x.
+    By Green's theorem an edge is the lower bound of a part of each cell that it passes, and of all cells
+    above. Array (columns, rows, 5): in the cell, area and its moments along x and y about the cell's corner;
+    in each cell above, area and its moment along x.
     """
     columns = int(math.floor(outline[:, 0].max())) - i + 1
     rows = int(math.floor(outline[:, 1].max())) - j + 1
@@ -158,7 +159,7 @@ def _sums(outline: FloatArray, i: int, j: int) -> FloatArray:
         row = int(y)
         t = 0.0
         while t < 1.0:
-            # where the edge leaves the cell: no rounding takes it out of the outline's bounds
+            # end of the edge in the cell: rounding never moves it out of the outline's bounds
             at_x = ((column + 1 if dx > 0.0 else column) - x) / dx if dx != 0.0 else math.inf
             at_y = ((row + 1 if dy > 0.0 else row) - y) / dy if dy != 0.0 else math.inf
             ahead = min(at_x, at_y, 1.0)
@@ -184,7 +185,7 @@ def _sums(outline: FloatArray, i: int, j: int) -> FloatArray:
 def _cover_shoe(
     tiles: Tiles, shoes: ShoePoints, s: int, outline: FloatArray, frame: Frame, before: Frame
 ) -> int:
-    """List the points of a shoe, and add their areas to `tiles.loaded`; their number as in `cover`."""
+    """List the points of a shoe, and add their areas to `tiles.loaded`; return their number as in `cover`."""
     points = shoes.points[s]
     areas = shoes.areas[s]
     cells = shoes.cells[s]
@@ -243,9 +244,10 @@ def _cover_shoe(
 
 @inner
 def _touches(point: FloatArray, forgets: bool) -> bool:
-    """Return whether a point (TRIAL_WIDTH,) is in contact with its cell.
+    """Return True if a point (TRIAL_WIDTH,) is in contact with its cell.
 
-    It is while it presses or shears the cell; on ground that forgets, while it is below the first height.
+    Contact lasts while the point presses or shears the cell; on ground that forgets, while it is below the
+    first height.
     """
     sticks = point[TRIAL.shear] != 0.0 or point[TRIAL.shear + 1] != 0.0
     return sticks or point[TRIAL.traction] > 0.0 or (forgets and point[TRIAL.deepest] > 0.0)
@@ -253,9 +255,9 @@ def _touches(point: FloatArray, forgets: bool) -> bool:
 
 @inner
 def _sink(remembered: FloatArray, point: FloatArray, afresh: bool) -> None:
-    """Write the sinkage of a point into the memory (FIELDS,) of its cell, unless that is deeper.
+    """Write a point's sinkage into the memory (FIELDS,) of its cell, unless the stored one is deeper.
 
-    `afresh`, the memory of an earlier contact does not count.
+    With `afresh` the memory of an earlier contact does not count.
     """
     if afresh or point[TRIAL.deepest] > remembered[MEMORY.deepest]:
         remembered[MEMORY.deepest] = point[TRIAL.deepest]
@@ -282,7 +284,7 @@ def _release(remembered: FloatArray, mobilized: float) -> None:
 
 @inner
 def _leave(remembered: FloatArray, fresh: float, forgets: bool) -> None:
-    """Let the memory of a cell lose what it loses when no shoe touches it any more."""
+    """Reset the parts of a cell's memory that end with its contact."""
     _release(remembered, fresh)
     remembered[MEMORY.area] = 0.0
     if forgets:
@@ -295,9 +297,9 @@ def commit(block: IntArray, held: IntArray) -> IntArray:
     """Write the trial memory into the cells of packed `TilesUnderShoes`; return the cells in contact now.
 
     A cell under two shoes keeps the deeper sinkage and the mean shear by area, which loses energy and never
-    makes it. A cell that all shoes have left, or without pressure, releases its shear. Soil keeps its deepest
-    sinkage for good, ground that forgets that of the present contact. `held` are the cells that were in
-    contact when the last step was accepted.
+    makes it. A cell without pressure, or left by all shoes, releases its shear. Soil keeps its deepest
+    sinkage for good; ground that forgets keeps that of the present contact. `held` are the cells in contact
+    when the last step was accepted.
     """
     tiles = _read(block).tiles
     shoes = _read(block).shoes

@@ -1,4 +1,4 @@
-"""Laws of the cells, a file each: adding one changes no other module."""
+"""Laws of the cells, one file each: a new law changes no other module."""
 
 import pkgutil
 from importlib import import_module
@@ -10,12 +10,12 @@ from exudyn_crawler.settings import reading
 
 
 def law_classes() -> list[type[CellLaw]]:
-    """Classes of parameters of the laws in this folder, in the order of their files' names."""
+    """Return the parameter classes of the laws in this folder, in the order of their files' names."""
     return [_law_of(module.name) for module in pkgutil.iter_modules(__path__)]
 
 
 def _law_of(name: str) -> type[CellLaw]:
-    """Class of parameters of the law in the file of this name."""
+    """Return the parameter class of the law in the file of this name."""
     members = vars(import_module(f"{__name__}.{name}")).values()
     classes = (member for member in members if isinstance(member, type) and issubclass(member, CellLaw))
     (law,) = (kind for kind in classes if kind is not CellLaw)
@@ -23,7 +23,7 @@ def _law_of(name: str) -> type[CellLaw]:
 
 
 def read_law(path: str | Path) -> terrain.SoilLaw:
-    """Law of a file (TOML): its `model`, and what differs from a `base` such as "lete_sand".
+    """Read a law from a file (TOML): its `model`, and its differences from a `base` such as "lete_sand".
 
     Raises `FileNotFoundError` or `CaseFileError`.
     """

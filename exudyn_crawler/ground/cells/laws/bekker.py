@@ -1,4 +1,4 @@
-"""Soil that yields: Bekker's pressure over sinkage, Wong's unloading and reloading, Janosi's shear.
+"""Soil that yields: Bekker's pressure-sinkage law, Wong's unloading and reloading, Janosi's shear.
 
 Bekker, Introduction to Terrain-Vehicle Systems (1969); Wong, Theory of Ground Vehicles, chapter 2; Janosi and
 Hanamoto, 1st Int. Conf. on the Mechanics of Soil-Vehicle Systems (1961).
@@ -13,14 +13,14 @@ from exudyn_crawler.ground.compiled import inlined, kernel
 from exudyn_crawler.settings.parameters import quantity
 
 ROUNDING = 1e-3
-"""m, sinkage below which the curve is a parabola of the same value and slope: a power below 1 has no finite
-slope at the surface. Chosen here."""
+"""Sinkage (m) below which the curve is a parabola with the same value and slope there: a power below 1 has no
+finite slope at the surface. Chosen here."""
 SMALL = 1e-2
-"""Share by which a sinkage grows, up to which the series of its power is exact to rounding."""
+"""Largest relative increase of a sinkage for which the series of its power is exact to rounding."""
 
 
 Unloading = Literal["wong", "chrono"]
-"""Law by which a named soil unloads, see `BekkerSoil.lete_sand`."""
+"""Law of unloading of a named soil, see `BekkerSoil.lete_sand`."""
 
 
 class Bekker(NamedTuple):
@@ -39,7 +39,7 @@ class Bekker(NamedTuple):
 
 @kernel
 def backbone(law: Bekker, z: float) -> tuple[float, float]:
-    """Pressure (Pa) of first loading at a sinkage (m), and its slope."""
+    """Return the pressure (Pa) of first loading at a sinkage (m), and its slope."""
     if z <= 0.0:
         return 0.0, 0.0
     if z >= ROUNDING:
@@ -53,7 +53,10 @@ def backbone(law: Bekker, z: float) -> tuple[float, float]:
 
 @inlined
 def deeper(law: Bekker, z: float, memory: Memory, nearby: bool) -> tuple[float, float]:
-    """`backbone`, by little more than before from the pressure there: a power takes long."""
+    """Return `backbone` slightly beyond the deepest sinkage, by a series from the pressure there.
+
+    A power takes long to compute.
+    """
     s = z / memory.deepest - 1.0 if memory.deepest >= ROUNDING else 1.0
     if s > SMALL:
         return (math.nan, math.nan) if nearby else backbone(law, z)
@@ -65,10 +68,10 @@ def deeper(law: Bekker, z: float, memory: Memory, nearby: bool) -> tuple[float, 
 
 @kernel
 def prepare(law: Bekker, deepest: float, pressure: float) -> tuple[float, float]:
-    """Modulus of unloading, and shear stiffness of the greatest pressure.
+    """Return the modulus of unloading, and the shear stiffness at the greatest pressure.
 
-    Wong's ``k_0 + A_u z``, but neither less than the secant to where it began nor than the curve's slope
-    there: unloading then never gives back more than loading took.
+    The modulus is Wong's ``k_0 + A_u z``, but at least the secant to the start of unloading and at least the
+    curve's slope there. Unloading then never returns more energy than loading took.
     """
     modulus = 0.0
     if deepest > 0.0:
@@ -79,7 +82,7 @@ def prepare(law: Bekker, deepest: float, pressure: float) -> tuple[float, float]
 
 @inlined
 def respond(law: Bekker, probe: Probe, tangents: bool, nearby: bool) -> Response:
-    """Response of a cell: on the curve deeper than ever before, elastic above."""
+    """Return the response of a cell: on the curve at and beyond the deepest sinkage, elastic above it."""
     memory = probe.memory
     deepest = memory.deepest
     greatest = memory.pressure
@@ -116,16 +119,16 @@ class BekkerSoil(CellLaw):
 
     @classmethod
     def lete_sand(cls, unloading: Unloading = "wong") -> Self:
-        """LETE sand, dry: pressure and shear as Chrono has them (`demo_VEH_SCMTerrain_RigidTire.cpp`).
+        """Return dry LETE sand: pressure and shear as in Chrono (`demo_VEH_SCMTerrain_RigidTire.cpp`).
 
-        Unloading decides the pull of a track, since pressure between rollers keeps the shear that the ground
-        has mobilized. The default is `"wong"`, ``A_u`` = 503e6 N/m4 of Wong's repeated plate tests on this
-        sand (Terramechanics and Off-Road Vehicle Engineering, chapter 4; recalled, not confirmed at the
-        source). Below a sinkage of 24 mm this line is softer than first loading, and the law springs back
-        wholly: no rut stays, and no work of compaction. `"chrono"`, 4e8 Pa/m, is a number that no test gave:
-        Chrono asks that it exceed ``k_phi`` and gives it to a soil of 2 MN/m3.1, too. It leaves nearly all of
-        the sinkage as a rut, and the pressure between rollers falls to zero. Shear then starts again below
-        each roller, as in Wong's repeated shear tests (recalled); Chrono's own soil never forgets it.
+        Unloading decides the pull of a track, because pressure between rollers keeps the mobilized shear of
+        the ground. The default is `"wong"`, ``A_u`` = 503e6 N/m4 of Wong's repeated plate tests on this sand
+        (Terramechanics and Off-Road Vehicle Engineering, chapter 4; recalled, not confirmed at the source).
+        Below a sinkage of 24 mm this line is softer than first loading, and the law springs back wholly: no
+        rut stays, and no work of compaction. `"chrono"`, 4e8 Pa/m, does not come from a test. Chrono requires
+        a value above ``k_phi`` and gives this one to a soil of 2 MN/m3.1, too. It leaves nearly all of the
+        sinkage as a rut, and the pressure between rollers falls to zero. Shear then starts again below each
+        roller, as in Wong's repeated shear tests (recalled); Chrono's own soil never forgets it.
         """
         steep, growth = (0.0, 503e6) if unloading == "wong" else (4e8, 0.0)
         return cls(
@@ -141,23 +144,25 @@ class BekkerSoil(CellLaw):
 
     @classmethod
     def oil_sand_low(cls, unloading: Unloading = "wong") -> Self:
-        """McMurray oil sand, the soft and weak end of what is known.
+        """Return McMurray oil sand, the soft and weak end of the known range.
 
         Shear strength: CIM 1960, 1741 to 1754 kg/m3, c of 2.6 to 5.9 kPa and phi of 30 to 40 deg; less when
-        loose or warm. Open: sinkage, of which no source has k_c, k_phi and n. Here a shoe sinks 66 mm under
-        191 kPa, its share of the machine, as on the papers' ground; n, K and unloading are those of LETE
-        sand.
+        loose or warm. Open: sinkage; no source gives k_c, k_phi and n. Here a shoe sinks 66 mm under 191 kPa,
+        its share of the machine, as on the papers' ground; n, K and unloading are those of LETE sand.
         """
         sand = cls.lete_sand(unloading)
         return sand.with_(k_c=0.0, k_phi=1.65e6, cohesion=2.6e3, friction_angle=30.0)
 
     @classmethod
     def oil_sand_high(cls, unloading: Unloading = "wong") -> Self:
-        """McMurray oil sand, the stiff and strong end: sinks as LETE sand; strength as in `oil_sand_low`."""
+        """Return McMurray oil sand, the stiff and strong end of the known range.
+
+        Its sinkage is that of LETE sand; strength as in `oil_sand_low`.
+        """
         return cls.lete_sand(unloading).with_(cohesion=5.9e3, friction_angle=40.0)
 
     def constants(self, width: float) -> Bekker:
-        """Constants for shoes whose shorter side is `width` (m)."""
+        """Return the constants for shoes whose shorter side is `width` (m)."""
         return Bekker(
             self.k_c / width + self.k_phi,
             self.exponent,

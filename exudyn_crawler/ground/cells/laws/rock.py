@@ -22,14 +22,14 @@ class Rock(NamedTuple):
 
 @kernel
 def prepare(law: Rock, _deepest: float, pressure: float) -> tuple[float, float]:
-    """No modulus of unloading; shear stiffness of the greatest pressure."""
+    """Return zero modulus of unloading, and the shear stiffness at the greatest pressure."""
     strength = Strength(0.0, law.friction, law.deformation, law.viscosity)
     return 0.0, shear_strength(strength, pressure)[0] / law.deformation
 
 
 @inlined
 def respond(law: Rock, probe: Probe, tangents: bool, nearby: bool) -> Response:
-    """Response of a cell: the same curve up and down."""
+    """Return the response of a cell: the same curve for loading and unloading."""
     if probe.depth <= 0.0:
         return lifted(Memory(0.0, 0.0, NOTHING, 1.0))
     if law.exponent == 1.0:
@@ -58,14 +58,14 @@ class RockFloor(CellLaw):
 
     @classmethod
     def hard_floor(cls) -> Self:
-        """Frozen or rock floor: 0.2 mm under 200 kPa, what the links and shoes above give more than.
+        """Return frozen or rock floor: 0.2 mm under 200 kPa, less than the links and shoes above yield.
 
-        All chosen here: stiffness, friction of steel on rock, and the elastic slip.
+        Stiffness, friction of steel on rock, and elastic slip are all chosen here.
         """
         return cls(stiffness=1e9, friction=0.6, shear_deformation=1e-3, damping=0.1)
 
     def constants(self, width: float) -> Rock:
-        """Constants, the same for shoes of any width."""
+        """Return the constants, the same for shoes of any width."""
         return Rock(
             self.stiffness,
             self.exponent,
