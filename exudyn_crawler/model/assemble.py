@@ -1,4 +1,4 @@
-"""From a case to the tables of its system: its gear says which parts there are, and the ground lies below."""
+"""Assembly of a case's tables: its gear names the parts, and the ground lies below."""
 
 from typing import NamedTuple
 
@@ -21,18 +21,18 @@ from exudyn_crawler.model.terrain import TerrainTable
 
 
 class Assembly(NamedTuple):
-    """Multibody system of a case before it is compiled or made of Exudyn's items."""
+    """Multibody system of a case before its compilation or its conversion to items of Exudyn."""
 
     floating: FloatingShoe | None
     point: shoe_mesh.DrivePoint
     contact: GroundContact
     tables: Tables
     bodies: tuple[str, ...]  # names of the bodies beside the shoes
-    rows: tuple[tuple[str, int], ...]  # names of the joints, and how many multipliers each has
+    rows: tuple[tuple[str, int], ...]  # names of the joints, and number of multipliers of each
 
 
 def assemble(case: Case) -> Assembly:
-    """Put the parts of a case's machine together with the ground below."""
+    """Assemble the parts of a case's machine with the ground below."""
     floating = None if case.flexible is None else floating_shoe(case)
     flexible = () if case.flexible is None else case.flexible.shoes
     bends = case.track.shoe_count in flexible
@@ -50,7 +50,7 @@ def assemble(case: Case) -> Assembly:
 
 
 def _tables_of(assembler: Assembler, contact: GroundContact, modes: TerrainModes) -> Tables:
-    """Tables of what parts have put together and of the ground."""
+    """Return the tables of the assembled parts and of the ground."""
     geometry = packed.nothing(ContactGeometry)
     reference = np.zeros((0, 4))
     if isinstance(contact, PairGroundContact):
@@ -84,13 +84,13 @@ def _tables_of(assembler: Assembler, contact: GroundContact, modes: TerrainModes
 
 
 def search_of(case: Case) -> Search:
-    """Search of a case's steps.
+    """Return the search of a case's steps.
 
-    On cells, rows that load or unload change their stiffness by forty: under dragged shoes an old matrix
-    leaves 0.02 of such a residual in the median and seldom over 0.13, whatever the first correction left; up
-    to 1 where points come back. Under wheels a matrix costs more than it saves, unless what the old one
-    gained, known within ten, says that it will not do. In a closed track a new matrix takes about as long as
-    three iterations.
+    On cells, rows that load or unload change their stiffness by a factor of forty. Under dragged shoes an old
+    matrix leaves 0.02 of such a residual in the median and seldom over 0.13, whatever the first correction
+    left; up to 1 where points return. Under wheels a new matrix costs more than it saves, unless the
+    contraction with the old one, known within a factor of ten, predicts failure. In a closed track a new
+    matrix takes about as long as three iterations.
     """
     on_cells = isinstance(case.terrain, CellTerrain)
     rolls = bool(case.gear.bodies)

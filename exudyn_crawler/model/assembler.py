@@ -1,4 +1,4 @@
-"""Assembler of a machine: bodies, markers, joints and loads that its parts add, and what couples them."""
+"""Assembler of a machine: the bodies, markers, joints and loads of its parts, and their couplings."""
 
 from collections.abc import Iterable, Sequence
 from typing import NamedTuple
@@ -32,7 +32,7 @@ TURN = "turn"
 
 
 class Body(NamedTuple):
-    """Body: integrals over its mass, see `Bodies`, and where it is where its coordinates are zero."""
+    """Body: integrals over its mass, see `Bodies`, and its reference pose at zero coordinates."""
 
     name: str
     mass: float  # kg
@@ -50,17 +50,20 @@ class Body(NamedTuple):
         reference: np.ndarray,
         com: ArrayLike = (0.0, 0.0, 0.0),
     ) -> "Body":
-        """Rigid body with an inertia (3, 3) about its COM, kg m2, which is at `com` (3,), m, in its frame."""
+        """Return a rigid body with an inertia (3, 3) about its COM, kg m2.
+
+        `com` (3,) is the COM in the body's frame, m.
+        """
         center = np.array(com, dtype=float)
         return cls(name, mass, mass * center, second_moment(mass, inertia, center), reference)
 
 
 class Hinge(NamedTuple):
-    """Pin of a link, or bearing of what turns in a frame."""
+    """Pin of a link, or bearing of a body that rotates in a frame."""
 
     markers: tuple[int, int]  # of the rear and of the front body
     name: str
-    link: int  # from 1; 0 for what is no part of a chain
+    link: int  # from 1; 0 for a pin outside the chain
     compliance: np.ndarray  # (ROWS,): m/N and rad/(N m)
     relaxation: np.ndarray  # (ROWS,): s
 
@@ -75,10 +78,10 @@ class Motor(NamedTuple):
 
 
 class Assembler:
-    """Collects what parts of a case's machine add; its methods give numbers of what they add.
+    """Collector of what the parts of a case's machine add; its methods return numbers of added items.
 
-    `floating` is what flexible shoes share, `point` where the drive moves the front shoe, and the first modal
-    coordinate has the number `first_modal`.
+    `floating` is the shared data of flexible shoes, `point` the point of the front shoe at which the drive
+    acts. The first modal coordinate has the number `first_modal`.
     """
 
     def __init__(
@@ -103,7 +106,7 @@ class Assembler:
         self.wheels = packed.nothing(Wheels)
         self.arms = packed.nothing(Arms)
         self.cells = packed.nothing(CellTable)
-        # bodies, and names of rows, that equations couple with each other
+        # bodies, and names of rows, that the equations couple
         self.couplings: list[tuple[tuple[int, ...], tuple[str, ...]]] = []
         self._recoils: list[tuple[int, float, float, float]] = []  # pin, preload, compliance and stroke
         self._holds: list[tuple[int, int]] = []
@@ -116,7 +119,7 @@ class Assembler:
         return len(self.bodies) - 1
 
     def body_named(self, name: str) -> int:
-        """Number of a body by its name."""
+        """Return the number of a body by its name."""
         return [body.name for body in self.bodies].index(name)
 
     def add_marker(
@@ -126,7 +129,10 @@ class Assembler:
         moved: np.ndarray | None = None,
         turned: np.ndarray | None = None,
     ) -> int:
-        """Add a marker at a place (3,), m, in a body's frame, which its modes (3, modes) move and turn."""
+        """Add a marker at a location (3,), m, in a body's frame; return its number.
+
+        `moved` and `turned` (3, modes) are displacement and rotation of the marker by the body's modes.
+        """
         none = np.zeros((3, self.mode_count))
         by_modes = none if moved is None else moved
         turned_by_modes = none if turned is None else turned
@@ -134,7 +140,7 @@ class Assembler:
         return len(self._markers) - 1
 
     def body_of(self, marker: int) -> int:
-        """Number of the body that a marker is on."""
+        """Return the number of a marker's body."""
         return self._markers[marker][0]
 
     def add_pin(
@@ -150,7 +156,7 @@ class Assembler:
         self.pins.append(Hinge((rear, front), name, link, np.array(compliance), np.array(relaxation)))
 
     def add_recoil(self, preload: float, compliance: float, stroke: float) -> None:
-        """Let the last pin's row along the frame, which has this compliance, be that of a recoil spring."""
+        """Make the last pin's row along the frame, with this compliance, the row of a recoil spring."""
         self._recoils.append((len(self.pins) - 1, preload, compliance, stroke))
 
     def add_motor(self, frame: int, body: int, name: str, limit: float, lag: float) -> None:
@@ -158,7 +164,7 @@ class Assembler:
         self.motors.append(Motor((frame, body), name, limit, lag))
 
     def hold(self, body: int, coordinates: Iterable[int]) -> None:
-        """Hold coordinates of a body where they are."""
+        """Hold coordinates of a body at their values."""
         self._holds += [(body, coordinate) for coordinate in coordinates]
 
     def add_load(self, marker: int, beside: int = -1) -> None:
@@ -166,12 +172,12 @@ class Assembler:
         self._loads.append((marker, beside))
 
     def couple(self, bodies: Sequence[int], rows: Sequence[str] = ()) -> None:
-        """Tell the elimination of bodies, and rows of joints by name, that equations couple."""
+        """Add a coupling of bodies, and of rows of joints by name, for the elimination."""
         self.couplings.append((tuple(bodies), tuple(rows)))
 
     @property
     def row_names(self) -> tuple[tuple[str, int], ...]:
-        """Names of the joints in the order of their rows, and how many rows each has."""
+        """Names of the joints in the order of their rows, and the number of rows of each."""
         holds = [
             f"hold of {self.bodies[body].name} ({BODY_COORDINATES[coordinate]})"
             for body, coordinate in self._holds
@@ -180,7 +186,10 @@ class Assembler:
         return (*((pin.name, ROWS) for pin in self.pins), *((name, 1) for name in single))
 
     def table_of_bodies(self) -> Bodies:
-        """Table of all bodies; coordinates of others than shoes come behind those of the modes."""
+        """Return the table of all bodies.
+
+        Shoes' coordinates are first; those of the other bodies follow the modes.
+        """
         count = len(self.bodies)
         bends = np.array([body.bends for body in self.bodies])
         modal = np.full(count, -1)
@@ -198,13 +207,13 @@ class Assembler:
         )
 
     def table_of_markers(self) -> Markers:
-        """Table of all markers."""
+        """Return the table of all markers."""
         body, position, moved, turned = (np.array(column) for column in zip(*self._markers, strict=True))
         bends = moved.any(axis=(1, 2)) | turned.any(axis=(1, 2))
         return Markers(body, position, moved, turned, np.where(bends, self.mode_count, 0))
 
     def tables_of_joints(self) -> Joints:
-        """Tables of all joints, whose rows come kind by kind."""
+        """Return the tables of all joints, whose rows follow kind by kind."""
         first_speed = ROWS * len(self.pins)
         first_hold = first_speed + 2
         pins = Pins(
@@ -232,5 +241,5 @@ class Assembler:
         )
 
     def table_of_loads(self) -> Loads:
-        """Table of all loads."""
+        """Return the table of all loads."""
         return Loads(*(np.array(column) for column in zip(*self._loads, strict=True)))

@@ -1,10 +1,11 @@
-"""Bodies: inertia, elasticity and weight of one, rigid or in a floating frame of reference.
+"""Bodies: inertia, elasticity and weight of rigid bodies and of bodies in a floating frame of reference.
 
-A point of the body is at ``r + R (x + Psi z)``: r and R place the frame, z are the modal coordinates and Psi
-the mode shapes. Its acceleration in the frame's axes is ``R^T r'' + Omega p + 2 omega x Psi z' + Psi z''``
-with ``p = x + Psi z`` and ``Omega = alpha~ + omega~ omega~``; integrated over the mass, alone, times p and
-times Psi, it gives force, moment and modal forces. The integrals do not change; nothing is left out (Shabana,
-Dynamics of Multibody Systems, chapter 5). A rigid body is one without modes.
+A point of the body is at ``r + R (x + Psi z)``: r and R are the pose of the frame, z the modal coordinates
+and Psi the mode shapes. Its acceleration in the frame's axes is
+``R^T r'' + Omega p + 2 omega x Psi z' + Psi z''`` with ``p = x + Psi z`` and
+``Omega = alpha~ + omega~ omega~``. Integrals of it over the mass, alone,
+times p and times Psi, give force, moment and modal forces. The integrals of the shapes are constant; no term
+is neglected (Shabana, Dynamics of Multibody Systems, chapter 5). A rigid body is one without modes.
 """
 
 import math
@@ -21,7 +22,7 @@ from exudyn_crawler.ground.rows import Weights
 
 
 class Bodies(NamedTuple):
-    """All bodies of a system: b of them, shoes first."""
+    """Table of all bodies of a system: b of them, shoes first."""
 
     coordinate: Ints1  # (b,): first of the six coordinates of each, position and angles
     modal: Ints1  # (b,): first of its modal coordinates, -1 for a rigid body
@@ -29,7 +30,7 @@ class Bodies(NamedTuple):
     mass: Floats1  # (b,): kg
     first: Floats2  # (b, 3): integral over the mass of the places x in the body's frame, kg m
     second: Floats3  # (b, 3, 3): of x_a x_b, kg m2
-    # (b, 2, 3): cosines and sines of the angles, as in `write_angles`; all that reads attitudes reads these
+    # (b, 2, 3): cosines and sines of the angles, from `write_angles`; every attitude is read from these
     of_angles: Floats3
 
 
@@ -44,15 +45,15 @@ class Modes(NamedTuple):
 
 
 def second_moment(mass: float, inertia: FloatArray, center: FloatArray) -> FloatArray:
-    """Integral of x_a x_b over a mass (kg): array (3, 3), kg m2.
+    """Return the integral of x_a x_b over a mass (kg): array (3, 3), kg m2.
 
-    `inertia` (3, 3) is about the centre of mass, kg m2, and that at `center` (3,), m.
+    `inertia` (3, 3) is about the centre of mass, kg m2; `center` (3,) is the position of that centre, m.
     """
     return 0.5 * np.trace(inertia) * np.eye(3) - inertia + mass * np.outer(center, center)
 
 
 class Inertia(NamedTuple):
-    """Integrals over the mass of a body as it is bent, in its frame; workspace."""
+    """Integrals over the mass of a deformed body, in its frame; workspace."""
 
     first: FloatArray  # (3,): of the places p, kg m
     second: FloatArray  # (3, 3): of p_a p_b, kg m2
@@ -61,7 +62,7 @@ class Inertia(NamedTuple):
 
 @inner
 def moved(place: Vector, shapes: FloatArray, row: FloatArray) -> Vector:
-    """Place (m, the body's frame) moved by shapes (3, m) at the body's coordinates and modes (6 + m,)."""
+    """Return a point (m, body's frame) displaced by shapes (3, m) at coordinates and modes (6 + m,)."""
     x, y, z = place
     for k in range(shapes.shape[1]):
         x += shapes[0, k] * row[6 + k]
@@ -72,7 +73,7 @@ def moved(place: Vector, shapes: FloatArray, row: FloatArray) -> Vector:
 
 @inner
 def _moment_of(tensor: FloatArray) -> Vector:
-    """Moment of ``integral p_a f_c``."""
+    """Return the moment of ``integral p_a f_c``."""
     return tensor[1, 2] - tensor[2, 1], tensor[2, 0] - tensor[0, 2], tensor[0, 1] - tensor[1, 0]
 
 
@@ -86,7 +87,7 @@ class Motion(NamedTuple):
 
 @inner
 def _motion(attitude: Attitude, state: FloatArray, gravity: Vector) -> Motion:
-    """Motion of the frame of a body at its coordinates, rates and accelerations (3, 6 + m)."""
+    """Return the motion of the frame of a body at its coordinates, rates and accelerations (3, 6 + m)."""
     rates = (state[1, 3], state[1, 4], state[1, 5])
     w = turned_back(attitude.R, rotations.spin(attitude, rates))
     al = turned_back(
@@ -104,9 +105,10 @@ def _motion(attitude: Attitude, state: FloatArray, gravity: Vector) -> Motion:
 
 @inner(merged=True)
 def _sums(row: FloatArray, still: FloatArray, z: FloatArray) -> tuple[float, float, float, float]:
-    """Sums of a row (m,) times modal coordinates, rates and accelerations (3, m); of another by the first.
+    """Return sums of a row (m,) times modal coordinates, rates and accelerations (3, m).
 
-    They grow at once: each has to wait for its last term.
+    The fourth sum is that of the row `still` times the coordinates. All four grow at once, because each has
+    to wait for its last term.
     """
     place = rate = second = other = 0.0
     for k in range(row.shape[0]):
@@ -126,10 +128,10 @@ def _bend(
     inertia: Inertia,
     tensor: FloatArray,
 ) -> Vector:
-    """Add inertia and elastic forces of the modes, and what they add to the body's integrals.
+    """Add inertia and elastic forces of the modes, and their part of the body's integrals.
 
-    `tensor` (3, 3) gathers ``integral p_a f_c`` of inertia forces f. Gives the force of the modes' motion, N,
-    in the body's axes.
+    `tensor` (3, 3) gathers ``integral p_a f_c`` of inertia forces f. Return the force of the modes' motion,
+    N, in the body's axes.
     """
     m = modes.stiffness.shape[0]
     z = state[:3, 6:].copy()
@@ -223,7 +225,7 @@ def add_body_matrix(
 
 @inner(merged=True)
 def read_body(bodies: Bodies, b: int, values: FloatArray, out: FloatArray) -> None:
-    """Write the coordinates of a body and its modes into one row (6 + m,); without modes these stay."""
+    """Write the coordinates of a body and its modes to a row (6 + m,); without modes the last m stay."""
     first = bodies.coordinate[b]
     modal = bodies.modal[b]
     for k in range(6):
@@ -234,7 +236,7 @@ def read_body(bodies: Bodies, b: int, values: FloatArray, out: FloatArray) -> No
 
 @inner(merged=True)
 def add_body(bodies: Bodies, b: int, row: FloatArray, factor: float, residual: FloatArray) -> None:
-    """Add a row (6 + m,) of a body's coordinates and modes, times a factor."""
+    """Add a row (6 + m,) of a body's coordinates and modes, times a factor, to the residual."""
     first = bodies.coordinate[b]
     modal = bodies.modal[b]
     for k in range(6):
@@ -246,7 +248,7 @@ def add_body(bodies: Bodies, b: int, row: FloatArray, factor: float, residual: F
 
 @inner
 def write_angles(bodies: Bodies, q: FloatArray) -> None:
-    """Write the cosines and sines of all bodies' angles at all coordinates, which take long to compute."""
+    """Write the cosines and sines of all bodies' angles, which take long to compute, at the coordinates."""
     for b in range(bodies.mass.shape[0]):
         for k in range(3):
             angle = q[bodies.coordinate[b] + 3 + k] + bodies.reference[b, 3 + k]
@@ -255,7 +257,7 @@ def write_angles(bodies: Bodies, q: FloatArray) -> None:
 
 @inner(merged=True)
 def attitude_of(bodies: Bodies, b: int) -> Attitude:
-    """Attitude of a body at the coordinates of `write_angles`."""
+    """Return the attitude of a body at the coordinates of `write_angles`."""
     c = bodies.of_angles[b, 0]
     s = bodies.of_angles[b, 1]
     return rotations.attitude_by((c[0], c[1], c[2]), (s[0], s[1], s[2]))
@@ -263,7 +265,7 @@ def attitude_of(bodies: Bodies, b: int) -> Attitude:
 
 @inner(merged=True)
 def frame_of(bodies: Bodies, b: int, state: FloatArray, attitude: Attitude) -> Frame:
-    """Place and motion of a body at all coordinates and rates (2 or more, coordinates)."""
+    """Return pose and motion of a body at all coordinates and rates (2 or more, coordinates)."""
     k = bodies.coordinate[b]
     reference = bodies.reference[b]
     q = state[0]
@@ -284,7 +286,7 @@ def add_bodies(
     tensor: FloatArray,
     residual: FloatArray,
 ) -> None:
-    """Add inertia, elastic forces and weights of all bodies; arrays (bodies, ...) keep their `Inertia`.
+    """Add inertia, elastic forces and weights of all bodies; store their `Inertia` in arrays (bodies, ...).
 
     `gravity` is in m/s2, global, `residual` in N, N m and modal; `rows` (4, 6 + m) and `tensor` (3, 3) are
     scratch.

@@ -1,7 +1,7 @@
-"""A system whose equations are compiled: Exudyn integrates them, and each step is solved here.
+"""System with compiled equations: Exudyn integrates them in time, and this module solves each step.
 
-Exudyn's generalized-alpha method predicts a step, accepts or halves it and says what comes next; its system
-is a single object that has the coordinates and nothing else.
+Exudyn's generalized-alpha method predicts a step, accepts or halves it and sets the next one. Its system is a
+single object with the coordinates alone.
 """
 
 from collections.abc import Callable
@@ -34,14 +34,14 @@ KEEPS_MATRIX = {
 }
 """Ground on which a step begins with the factored matrix of the last one, by the kind of gear.
 
-There most steps take one iteration with it; elsewhere a matrix of its own pays.
+There most steps take one iteration with it; elsewhere a new matrix pays.
 """
 
 
 class CompiledSystem(track_system.TrackSystem):
-    """Multibody system of a case by compiled equations of its `tables`; `mbs` has the coordinates alone.
+    """Multibody system of a case with compiled equations of its `tables`; `mbs` has the coordinates alone.
 
-    `work` is what a residual leaves, `block` has both as compiled functions read them, `scratch` is the last
+    `work` is the result of a residual; `block` holds both for compiled functions; `scratch` is the last
     residual and the values of the fronts.
     """
 
@@ -81,7 +81,7 @@ class CompiledSystem(track_system.TrackSystem):
         self.put_down()
 
     def gear_forces(self, times: np.ndarray, q: np.ndarray, q_t: np.ndarray) -> gear.GearForces:
-        """Forces of the gear; see `TrackSystem`."""
+        """Return the forces of the gear; see `TrackSystem`."""
         count = self.layout.shoes
         shoes = self.case.gear.shoes_by_strips(self.tables.bodies.modal[:count] >= 0)
         forces = gear.GearForces.allocate(len(times), count, len(shoes), self.work)
@@ -91,15 +91,15 @@ class CompiledSystem(track_system.TrackSystem):
         return forces
 
     def switch_drive(self, on: bool) -> None:
-        """Move the front shoe from now on, or leave it free; a side frame is always moved."""
+        """Drive the front shoe from now on, or leave it free; a side frame is always driven."""
         self._driven = on
 
     def inputs(self, time: float) -> Inputs:
-        """Loads and drive at a time, s."""
+        """Return loads and drive at a time, s."""
         return self.timed_inputs.at(time, self._driven)
 
     def put_down(self) -> None:
-        """Let slip on cells count from where shoes are put down before they go to their rest."""
+        """Start slip on cells at the positions of the shoes before they settle."""
         if self.cells is not None:
             state = np.zeros_like(self._state)
             state[0] = self.first_guess()
@@ -121,7 +121,7 @@ class CompiledSystem(track_system.TrackSystem):
         self._hand_over(exu.ConfigurationType.Initial)
 
     def coordinates(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Current coordinates, rates and accelerations; see `TrackSystem`."""
+        """Return the current coordinates, rates and accelerations; see `TrackSystem`."""
         data: Any = self.mbs.systemData
         return data.GetODE2Coordinates(), data.GetODE2Coordinates_t(), data.GetODE2Coordinates_tt()
 
@@ -148,11 +148,11 @@ class CompiledSystem(track_system.TrackSystem):
             raise self.failure()
 
     def failure(self) -> NewtonError:
-        """Error of the last step that was tried."""
+        """Return the error of the last attempted step."""
         return NewtonError(in_units(self.layout, self.scratch[0]), self._singular, self._cause)
 
     def cover(self, state: np.ndarray) -> None:
-        """Freeze which cells lie under the shoes at a state; a `NewtonError` where one leaves the map."""
+        """Freeze the cells under the shoes at a state; raise `NewtonError` if a shoe leaves the map."""
         self._cause = ""
         if self.cells is None:
             return
@@ -169,7 +169,7 @@ class CompiledSystem(track_system.TrackSystem):
         multipliers: np.ndarray | None = None,
         weights: Weights = NO_DERIVATIVES,
     ) -> np.ndarray:
-        """Residual of all equations at coordinates, rates and accelerations (3, coordinates)."""
+        """Return the residual of all equations at coordinates, rates and accelerations (3, coordinates)."""
         out = np.empty_like(self.scratch[0])
         applied = np.zeros_like(self._multipliers) if multipliers is None else multipliers
         residual(self.block, state, applied, inputs, weights, out)
@@ -200,7 +200,7 @@ class CompiledSystem(track_system.TrackSystem):
         return outcome.converged, outcome.iterations
 
     def _newton(self, solver: Any, _mbs: "exu.MainSystem", settings: "exu.SimulationSettings") -> bool:
-        """Predict and solve a step; Exudyn calls it again with half the step where it fails."""
+        """Predict and solve a step; if it fails, Exudyn calls it again with half the step."""
         predict(solver, self.mbs, settings, self._state)
         h = solver.it.currentStepSize
         beta = solver.newmarkBeta
@@ -233,7 +233,7 @@ class CompiledSystem(track_system.TrackSystem):
         return True
 
     def _accelerate(self, time: float) -> None:
-        """Write accelerations and multipliers of a track that starts."""
+        """Write the accelerations and multipliers of a track at its start."""
         self._state[2] = 0.0
         self._multipliers[:] = 0.0
         self.cover(self._state)

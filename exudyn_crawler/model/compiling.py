@@ -1,7 +1,7 @@
 """Compile the equations before a run, in two processes.
 
-The matrix does not call the residual, so that both are compiled at the same time; a step, which calls
-both, finds them cached. That takes three quarters of the time.
+The matrix does not call the residual, so that both are compiled at the same time; a step calls both and finds
+them cached. This takes three quarters of the time.
 """
 
 import os
@@ -20,14 +20,15 @@ from exudyn_crawler.model.compiled_system import CompiledSystem, compiled_system
 from fem.compiling import notify_compiling
 
 Call = tuple[Any, tuple]
-"""A compiled function and its arguments."""
+"""Compiled function and its arguments."""
 
 
 @cache
 def compile_equations() -> None:
-    """Compile residual and matrix, unless they are cached; once a process, and the same for all cases.
+    """Compile residual and matrix, unless they are cached; once for a process, and the same for all cases.
 
-    What fails beside this process, such as a disk that stores nothing, is compiled when it is called.
+    If the second process fails, for example because a disk stores nothing, the matrix is compiled when it is
+    called.
     """
     begun: list[subprocess.Popen] = []
     with notify_compiling([equations.residual], lambda: begun.append(_beside())):
@@ -37,14 +38,14 @@ def compile_equations() -> None:
 
 
 def compile_matrix() -> None:
-    """Compile the matrix, its elimination and the contacts that a history keeps."""
+    """Compile the matrix, its elimination and the contacts of a history."""
     system = _compile("matrix")
     none = np.zeros((1, system.layout.coordinate_count))
     system.contact.results(none, none)
 
 
 def calls_of(system: CompiledSystem) -> dict[str, list[Call]]:
-    """Compiled functions with arguments as a run of the system calls them, by what they make."""
+    """Return compiled functions with a run's arguments for the system, by their part of the equations."""
     residual, values = system.scratch
     inputs = system.inputs(0.0)
     weights = Weights(0.0, 0.0, 1.0, False, 1.0)
@@ -71,7 +72,7 @@ def calls_of(system: CompiledSystem) -> dict[str, list[Call]]:
 
 
 def _compile(part: str) -> CompiledSystem:
-    """System of a case, with a part of its equations compiled."""
+    """Compile a part of the equations for a case, and return its system."""
     system = compiled_system(Case.translation())
     for function, arguments in calls_of(system)[part]:
         function.compile(tuple(typeof(argument) for argument in arguments))
@@ -79,7 +80,10 @@ def _compile(part: str) -> CompiledSystem:
 
 
 def _beside() -> subprocess.Popen:
-    """Process that compiles the matrix; no fork, which threads do not survive, and no script run again."""
+    """Start a process that compiles the matrix, and return it.
+
+    No fork, because threads do not survive it, and no second run of the script.
+    """
     return subprocess.Popen(
         [sys.executable, "-c", f"from {__name__} import compile_matrix; compile_matrix()"],
         stdin=subprocess.DEVNULL,

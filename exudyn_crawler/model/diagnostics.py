@@ -1,4 +1,4 @@
-"""Name what fails where Newton's method finds no step or no rest."""
+"""Diagnosis of a failed step or a failed search for a rest by Newton's method."""
 
 import numpy as np
 
@@ -9,11 +9,11 @@ from exudyn_crawler.model.track_system import TrackSystem
 
 
 class NewtonError(Exception):
-    """Newton's method failed at the least step, or found no equilibrium.
+    """Failure of Newton's method at the least step, or in the search for an equilibrium.
 
     `residual` (equations,) is that of the last iteration: forces (N), moments (N m) and modal forces, then
-    the gaps of constraints; `singular` is true where the equations had no solution. A known `cause` stands
-    for all of it.
+    the gaps of constraints; `singular` is true if the equations had no solution. A known `cause` replaces
+    both.
     """
 
     def __init__(self, residual: np.ndarray, singular: bool, cause: str = "") -> None:
@@ -23,7 +23,7 @@ class NewtonError(Exception):
         self.cause = cause
 
     def fault(self, layout: StateLayout) -> str:
-        """Name the cause, or the equation that failed, such as "greatest residual at shoe 7 (z)".
+        """Return the cause, or the equation that failed, such as "greatest residual at shoe 7 (z)".
 
         Residuals are compared as they are: forces in N, moments in N m, modal forces, and the gaps of
         constraints in m, rad and their rates.
@@ -39,7 +39,7 @@ class NewtonError(Exception):
 
 
 def in_units(layout: StateLayout, residual: np.ndarray) -> np.ndarray:
-    """Residual of `equations.residual` with gaps in m and rad; equations that it does not have are zero."""
+    """Return the residual of `equations.residual` with gaps in m and rad; absent equations are zero."""
     equations = np.zeros(layout.equation_count)
     equations[: len(residual)] = residual
     equations[layout.coordinate_count :] /= STIFFNESS
@@ -47,7 +47,7 @@ def in_units(layout: StateLayout, residual: np.ndarray) -> np.ndarray:
 
 
 def no_rest(system: TrackSystem, failed: NewtonError) -> EquilibriumError:
-    """Error of a search for rest that failed, with what failed and, where the ground is to hold, why."""
+    """Return the error of a failed search for rest: the fault and, if the ground must hold, the reason."""
     slides = ""
     if system.sticks and system.case.terrain.is_even and failed.singular:
         slides = "; the ground's shear may be too weak to hold the shoes: compare contact.law with the slope"

@@ -1,9 +1,9 @@
-"""Solution of sparse linear equations by eliminating groups of unknowns one after the other.
+"""Solution of sparse linear equations by elimination of groups of unknowns, one after the other.
 
-A group and all unknowns that it is coupled to when its turn comes make a dense front, a small matrix of its
-own; what eliminating the group leaves of it goes on to the front of the next group that it touches (the
-multifrontal method: Duff and Reid, ACM TOMS 9, 1983). Which groups there are, in which order they go and what
-couples them is data: more bodies, or a chain that closes, are more groups and not more code.
+A group and all unknowns that are coupled to it at its turn make a dense front, a small matrix. The
+elimination leaves a Schur complement, which goes on to the front of the next group that it touches (the
+multifrontal method: Duff and Reid, ACM TOMS 9, 1983). Groups, their order and their couplings are data: more
+bodies, or a closed chain, mean more groups and no more code.
 """
 
 from collections.abc import Sequence
@@ -18,8 +18,8 @@ from exudyn_crawler.ground.packed import FloatArray, IntArray, Ints1
 class Fronts(NamedTuple):
     """Fronts in the order of their elimination.
 
-    Their values are one array: all matrices, then whole numbers that `terms`, `exchanged`, `remaining` and
-    `sizes` read. Zeros are fronts without a term.
+    Their values are one array: all matrices, then the integers that `terms`, `exchanged`, `remaining` and
+    `sizes` read. A front of zeros has no term.
     """
 
     unknowns: Ints1  # (entries,): unknowns of every front, its own group's first
@@ -35,15 +35,15 @@ class Fronts(NamedTuple):
         return int(self.place[-1] + 2 * self.first[-1] + len(self.pivots))
 
     def rows(self, front: int) -> list[int]:
-        """Unknowns of a front in the order of its rows."""
+        """Return the unknowns of a front in the order of its rows."""
         return self.unknowns[self.first[front] : self.first[front + 1]].tolist()
 
 
 def fronts_of(groups: Sequence[Sequence[int]], couplings: Sequence[Sequence[int]]) -> Fronts:
-    """Fronts of equations whose groups of unknowns are eliminated in the given order.
+    """Return the fronts of equations whose groups of unknowns are eliminated in the given order.
 
-    Each unknown is in one of the `groups`. `couplings` are sets of unknowns that equations couple with each
-    other: all of a set meet in the front of the group among them that goes first.
+    Each unknown is in one of the `groups`. `couplings` are sets of coupled unknowns: all of a set meet in the
+    front of the first eliminated group among them.
     """
     order = {unknown: rank for rank, unknown in enumerate(u for group in groups for u in group)}
     group_of = {unknown: k for k, group in enumerate(groups) for unknown in group}
@@ -82,21 +82,21 @@ def front(places: Fronts, values: FloatArray, k: int) -> FloatArray:
 
 @inlined
 def terms(places: Fronts, values: FloatArray, k: int) -> IntArray:
-    """Return which rows of front k have a term, a view: not zero for each of those behind its own rows."""
+    """Return flags of the rows of front k with a term, a view: nonzero for those behind its own rows."""
     start = places.place[-1]
     return values[start + places.first[k] : start + places.first[k + 1]].view(np.int64)
 
 
 @inlined
 def exchanged(places: Fronts, values: FloatArray, k: int) -> IntArray:
-    """Return the rows that were exchanged with the own rows of front k as it was eliminated, a view."""
+    """Return the rows exchanged with the own rows of front k in its elimination, a view."""
     start = places.place[-1] + places.first[-1] + places.first[k]
     return values[start : start + places.pivots[k]].view(np.int64)
 
 
 @inlined
 def remaining(places: Fronts, values: FloatArray, k: int) -> IntArray:
-    """Return the unknowns that the elimination of front k has left, a view; `sizes` tells how many."""
+    """Return the unknowns that remain after the elimination of front k, a view; `sizes` is their number."""
     start = places.place[-1] + places.first[-1]
     return values[start + places.first[k] + places.pivots[k] : start + places.first[k + 1]].view(np.int64)
 
@@ -110,7 +110,7 @@ def sizes(places: Fronts, values: FloatArray) -> IntArray:
 
 @inner(merged=True)
 def _write_rows(has_term: IntArray, pivots: int, rows: IntArray) -> int:
-    """Write which rows behind a front's own have a term; return their number."""
+    """Write the rows with a term behind a front's own rows; return their number."""
     count = 0
     for r in range(pivots, has_term.shape[0]):
         if has_term[r] != 0:
@@ -121,7 +121,7 @@ def _write_rows(has_term: IntArray, pivots: int, rows: IntArray) -> int:
 
 @inner
 def clear(places: Fronts, values: FloatArray) -> None:
-    """Clear all fronts, of their terms or of what `eliminate` has left."""
+    """Clear the terms of all fronts, or the results of `eliminate`."""
     rows = sizes(places, values)
     for k in range(places.pivots.shape[0]):
         pivots = places.pivots[k]
@@ -134,7 +134,7 @@ def clear(places: Fronts, values: FloatArray) -> None:
 
 @inner(merged=True)
 def _pivot(matrix: FloatArray, left: int, k: int, exchanges: IntArray) -> None:
-    """Bring the greatest pivot of column k into its row; above it, leave the factors that take it off."""
+    """Exchange the greatest pivot of column k into its row; write the elimination factors above it."""
     p = k
     for r in range(left, k):
         if abs(matrix[r, k]) > abs(matrix[p, k]):
@@ -153,8 +153,8 @@ def _pivot(matrix: FloatArray, left: int, k: int, exchanges: IntArray) -> None:
 def _factor(matrix: FloatArray, pivots: int, exchanges: IntArray) -> None:
     """Factor the last `pivots` rows and columns in place, from the last one up (Gauss).
 
-    What is left of the others stands in their place, reciprocal pivots on the diagonal. Two rows at a time
-    are taken off those above, which are read and written half as often.
+    The Schur complement of the others takes their place, with reciprocal pivots on the diagonal. Two rows at
+    a time are subtracted from those above, which are then read and written half as often.
     """
     k = matrix.shape[0] - 1
     left = k + 1 - pivots
@@ -185,10 +185,10 @@ def _factor(matrix: FloatArray, pivots: int, exchanges: IntArray) -> None:
 
 @inner
 def _eliminate(places: Fronts, values: FloatArray, k: int, rows: IntArray, scratch: FloatArray) -> None:
-    """Eliminate a front: gathered without the rows that have no term, factored, and stored again.
+    """Eliminate a front: gather it without rows that have no term, factor it, and store it again.
 
-    From its start there are, for each of its own unknowns, its row of the factored matrix and its column of
-    what is left.
+    From its start it stores, for each of its own unknowns, its row of the factored matrix and its column of
+    the remaining part.
     """
     matrix = front(places, values, k)
     parent = places.parent[k]
@@ -233,11 +233,11 @@ def _eliminate(places: Fronts, values: FloatArray, k: int, rows: IntArray, scrat
 
 @kernel
 def eliminate(fronts: Fronts, values: FloatArray) -> None:
-    """Eliminate group by group, in place; a `LinAlgError` if the matrix of a group is singular.
+    """Eliminate group by group, in place; raise `LinAlgError` if the matrix of a group is singular.
 
-    `values` (size,) are those of the fronts: the terms of their matrices, and `terms` that tell the rows;
-    they are overwritten with what `solve` takes. Rows without any term are left out, since shoes may touch
-    much that they do not touch now.
+    `values` (size,) are those of the fronts: the terms of their matrices, and `terms` for the rows. They are
+    overwritten with the input of `solve`. Rows without any term are left out, because shoes can touch many
+    units that they do not touch now.
     """
     n = np.max(fronts.first[1:] - fronts.first[:-1])
     rows = np.empty(n, dtype=np.int64)
@@ -250,7 +250,10 @@ def eliminate(fronts: Fronts, values: FloatArray) -> None:
 def _gather(
     fronts: Fronts, values: FloatArray, k: int, x: FloatArray, numbers: IntArray, y: FloatArray
 ) -> int:
-    """Write the unknowns of a front, the remaining ones first, and their values; return how many remain."""
+    """Write the unknowns of a front, the remaining ones first, and their values.
+
+    Return the number of the remaining ones.
+    """
     unknowns = remaining(fronts, values, k)
     pivots = fronts.pivots[k]
     left = sizes(fronts, values)[k] - pivots
@@ -267,7 +270,7 @@ def _gather(
 def _forward(
     fronts: Fronts, values: FloatArray, k: int, x: FloatArray, numbers: IntArray, y: FloatArray
 ) -> None:
-    """Take the own unknowns of a front out of the right-hand sides of those that are left."""
+    """Eliminate the own unknowns of a front from the right-hand sides of the remaining ones."""
     left = _gather(fronts, values, k, x, numbers, y)
     exchanges = exchanged(fronts, values, k)
     start = fronts.place[k]
@@ -293,9 +296,9 @@ def _forward(
 def _back(
     fronts: Fronts, values: FloatArray, k: int, x: FloatArray, numbers: IntArray, y: FloatArray
 ) -> None:
-    """Find the own unknowns of a front from those that are left.
+    """Compute the own unknowns of a front from the remaining ones.
 
-    Three sums grow at once: each has to wait for its last term.
+    Three sums grow at once, because each has to wait for its last term.
     """
     left = _gather(fronts, values, k, x, numbers, y)
     pivots = fronts.pivots[k]
@@ -327,7 +330,7 @@ def _back(
 
 @kernel
 def solve(fronts: Fronts, values: FloatArray, x: FloatArray) -> None:
-    """Turn a right-hand side (unknowns,) into the solution, in place, after `eliminate`."""
+    """Overwrite a right-hand side (unknowns,) with the solution, after `eliminate`."""
     n = np.max(fronts.first[1:] - fronts.first[:-1])
     y = np.empty(n)
     numbers = np.empty(n, dtype=np.int64)

@@ -1,13 +1,13 @@
 """Equations of motion of a system of tables: residual, and matrix of its weighted derivatives.
 
 The unknowns are the coordinates, in the order of `model.state`, then the multipliers of the joints. The
-residual is inertia less forces plus constraint forces for the first, and what the rows of the joints say for
-the second. Both are sums over bodies, terrain, loads and rows.
+residual of a coordinate is inertia less forces plus constraint forces; that of a multiplier is given by its
+row of a joint. Both are sums over bodies, terrain, loads and rows.
 
-The matrix is exact but for three things, which change over seconds and not over a step: how the forces of
-constraints (but for the moments of pins), loads and wheels turn and move with the bodies, how centrifugal
-and gyroscopic forces change with the rates, and how the outline of an overlap moves. The residual has all of
-them, so that they cost iterations and not accuracy.
+The matrix is exact except for three effects, which change over seconds and not over a step. The first is the
+rotation and motion of the forces of constraints (except moments of pins), loads and wheels with the bodies.
+The second is the change of centrifugal and gyroscopic forces with the rates, the third the motion of the
+outline of an overlap. The residual has all of them, so that they cost iterations and not accuracy.
 """
 
 import numpy as np
@@ -27,7 +27,7 @@ from exudyn_crawler.model.tables import FrontRows, read_system
 def _add_forces(
     bodies: Bodies, rows: ForceRows, row: FloatArray, on_terrain: FloatArray, residual: FloatArray
 ) -> None:
-    """Take the forces of rows on their bodies off the residual, and add those on units of the terrain.
+    """Subtract the forces of rows on their bodies from the residual, and add those on units of the terrain.
 
     `on_terrain` (units, 2) are forces on heave and tilt; `row` (6 + m,) is scratch.
     """
@@ -52,7 +52,7 @@ def _add_forces(
 def _add_joints(
     bodies: Bodies, rows: JointRows, state: FloatArray, multipliers: FloatArray, out: FloatArray
 ) -> None:
-    """Add the forces of all constraints, and write their residuals behind the coordinates'."""
+    """Add the forces of all constraints, and write their residuals behind those of the coordinates."""
     n = out.shape[0] - multipliers.shape[0]
     for r in range(multipliers.shape[0]):
         multiplier = multipliers[r]
@@ -77,7 +77,7 @@ def residual(
     weights: Weights,
     out: FloatArray,
 ) -> None:
-    """Write the residual of all equations: forces, then what the rows of the joints say.
+    """Write the residual of all equations: forces, then the residuals of the rows of joints.
 
     `system` is a block of `tables.System`. `state` (3, coordinates) are coordinates, rates and accelerations,
     `multipliers` in N and N m; `out` (coordinates + multipliers,) is overwritten.
@@ -117,9 +117,9 @@ def _write_motions(
     motions: FloatArray,
     forces: FloatArray,
 ) -> None:
-    """Write motions of elements by the coordinates of their bodies and the terrain's, row under row.
+    """Write the motions of elements by the coordinates of their bodies and of the terrain, row under row.
 
-    The first of the elements is given; `forces` get their tangents times these motions.
+    `first` is the first of the elements; `forces` receive the tangents times these motions.
     """
     kinds = rows.wrench.shape[1]
     forces[:] = 0.0
@@ -186,7 +186,7 @@ def _add_block(
 
 @inner(allocates=True)
 def _add_elements(system: IntArray, kind: int, values: FloatArray) -> None:
-    """Add the tangents of elements, those of the same bodies that follow each other at once: ``J^T K J``."""
+    """Add the tangents of elements, ``J^T K J``; consecutive ones of the same bodies are added at once."""
     tables = read_system(system).tables
     work = read_system(system).work
     rows = work.forces.rows[kind]
@@ -272,7 +272,7 @@ def _add_joint_rows(system: IntArray, velocity: float, values: FloatArray) -> No
 
 @inner
 def _add_directions(system: IntArray, r: int, values: FloatArray) -> None:
-    """Add the directions of a constraint's force that is not along its Jacobian to the fronts."""
+    """Add the directions of a constraint's force to the fronts if they differ from its Jacobian."""
     tables = read_system(system).tables
     work = read_system(system).work
     places = tables.rows
@@ -296,7 +296,7 @@ def _add_directions(system: IntArray, r: int, values: FloatArray) -> None:
 
 @inner
 def _add_turning(system: IntArray, by_place: float, values: FloatArray) -> None:
-    """Add how the moments of the pins' forces change as their bodies turn to the fronts."""
+    """Add the change of the moments of pins' forces with the rotation of their bodies to the fronts."""
     tables = read_system(system).tables
     work = read_system(system).work
     places = tables.rows
@@ -339,7 +339,7 @@ def _add_masses(system: IntArray, weights: Weights, values: FloatArray) -> None:
 def matrix(system: IntArray, weights: Weights, fronts: FloatArray) -> None:
     """Write the weighted derivative of the residual into the values of the fronts (size,).
 
-    It is that at the state whose residual was computed last, with the same weights.
+    It is taken at the state of the last residual, with the same weights.
     """
     tables = read_system(system).tables
     work = read_system(system).work

@@ -1,7 +1,7 @@
-"""The only import of Exudyn, and its integrator beside compiled equations.
+"""The only import of Exudyn, and its integrator for the compiled equations.
 
-This is its build with range checks. The one without saves 5 % of a run's time, but its last digits depend on
-the processor's instruction set.
+This build of Exudyn has range checks. The build without saves 5 % of a run's time, but its last digits depend
+on the processor's instruction set.
 """
 
 from collections.abc import Callable
@@ -19,13 +19,14 @@ __all__ = ["EulerParameters2G", "EulerParameters2RotationMatrix", "RigidBodyIner
 
 
 SLACK = 1e-6
-"""Part of a step by which it may end beyond the time at which one has to end: rounding."""
+"""Allowed overrun of a required end by a step, fraction of the step: rounding."""
 
 
 def integrator(mbs: "exu.MainSystem", next_end: Callable[[float], float] | None = None) -> Any:
-    """Exudyn's generalized-alpha solver; `next_end` gives the time (s) behind one at which a step has to end.
+    """Return Exudyn's generalized-alpha solver.
 
-    Exudyn itself ends a step there only if none was shortened before.
+    `next_end` gives, for a time (s), the next time (s) at which a step has to end. Exudyn itself ends a step
+    there only if none was shortened before.
     """
     # Exudyn's stub gives a solver's methods without self
     solver: Any = exu.MainSolverImplicitSecondOrder()
@@ -40,7 +41,7 @@ def _begin_step(
     _mbs: "exu.MainSystem",
     _settings: "exu.SimulationSettings",
 ) -> None:
-    """Write size and end of a step as Exudyn does, but no farther than to the next end."""
+    """Write size and end of a step as Exudyn does, but at most up to the next end."""
     step = solver.it
     start = step.currentTime
     size = step.currentStepSize
@@ -59,11 +60,11 @@ def predict(
     settings: "exu.SimulationSettings",
     state: np.ndarray,
 ) -> None:
-    """Write coordinates, rates and accelerations (3, n) with which a step's search starts.
+    """Write the predicted coordinates, rates and accelerations (3, n) of a step.
 
-    By the generalized-alpha method (Arnold and Bruels, Multibody System Dynamics 18, 2007, algorithm 1). A
-    step that failed has left Exudyn's algorithmic acceleration as it would be at the step's end, whatever its
-    size; Exudyn itself would take it for that of the start when the step is tried again.
+    The method is generalized-alpha (Arnold and Bruels, Multibody System Dynamics 18, 2007, algorithm 1). A
+    step that failed leaves Exudyn's algorithmic acceleration at the value of the step's end, whatever its
+    size. Exudyn itself would take it for that of the start when the step is tried again.
     """
     data: Any = mbs.systemData
     h = solver.it.currentStepSize
@@ -82,14 +83,14 @@ def predict(
 
 
 def newton_settings(residual: float, iterations: int) -> "exu.SimulationSettings":
-    """Exudyn's settings for a rest or a motion, in silence; residual (N, root mean square) that is enough."""
+    """Return Exudyn's silent settings for a rest or a motion; `residual` (N, root mean square) suffices."""
     settings = exu.SimulationSettings()
     settings.linearSolver.solverType = exu.LinearSolverType.EigenSparse
     settings.solution.file.write = False
     for solver in (settings.staticSolver, settings.timeIntegration):
         solver.verboseMode = 0
         solver.newton.absoluteTolerance = residual
-        # the absolute tolerance alone decides: the first residual of a step is no measure
+        # the absolute tolerance alone decides: a step's first residual is no reference
         solver.newton.relativeTolerance = 1e-16
         solver.newton.weightTolerancePerCoordinate = True
         solver.newton.maxIterations = iterations
@@ -97,7 +98,7 @@ def newton_settings(residual: float, iterations: int) -> "exu.SimulationSettings
 
 
 def generic_node(mbs: "exu.MainSystem", name: str, size: int) -> int:
-    """Node of so many coordinates, all zero."""
+    """Add a node of `size` coordinates, all zero; return its number."""
     zeros = [0.0] * size
     return mbs.AddNode(
         items.NodeGenericODE2(
@@ -111,7 +112,7 @@ def generic_node(mbs: "exu.MainSystem", name: str, size: int) -> int:
 
 
 def sparse(values: np.ndarray) -> "exu.MatrixContainer":
-    """Matrix as Exudyn takes it, without its zeros."""
+    """Return a matrix in Exudyn's sparse form, without its zeros."""
     rows, columns = np.nonzero(values)
     matrix = exu.MatrixContainer()
     matrix.SetWithSparseMatrix(np.column_stack((rows, columns, values[rows, columns])), *values.shape)
@@ -119,7 +120,7 @@ def sparse(values: np.ndarray) -> "exu.MatrixContainer":
 
 
 def add_coordinates(mbs: "exu.MainSystem", name: str, size: int, **acting: object) -> int:
-    """Object of so many coordinates with a mass of one for each, and what acts on them; gives their node."""
+    """Add an object of `size` coordinates with unit masses, and the forces on it; return its node."""
     node = generic_node(mbs, name, size)
     mass = sparse(np.eye(size))
     mbs.AddObject(items.ObjectGenericODE2(name=name, nodeNumbers=[node], massMatrix=mass, **acting))

@@ -1,4 +1,4 @@
-"""Flexible shoes: their finite elements, the modes that a run integrates, and where loads meet them."""
+"""Flexible shoes: their finite elements, integrated modes, and the points at which loads act."""
 
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
@@ -16,12 +16,12 @@ from meshes import mesh_named
 from meshes.checks import check_surfaces
 
 MACHINE_LOAD, DRIVE = "machine load", "drive"
-"""Loads whose static answers may join the modes."""
+"""Loads whose static responses may join the modes."""
 
 
 @dataclass(frozen=True)
 class FloatingShoe:
-    """Everything that the multibody system needs of a flexible shoe; m modes."""
+    """Data of a flexible shoe for the multibody system; m modes."""
 
     reduced: fem.ReducedBody  # modes, stress modes and surfaces
     load_point: np.ndarray  # (3,): middle of the loaded surface, m
@@ -32,7 +32,7 @@ class FloatingShoe:
 
     @property
     def mode_count(self) -> int:
-        """Number of modes that answer dynamically."""
+        """Number of integrated modes."""
         return self.load_rows.shape[1]
 
 
@@ -54,10 +54,10 @@ def _finite_elements(
 
 
 def shoe_model(flexible: FlexibleShoes, track: Track) -> tuple[fem.ElasticBody, list[fem.Interface]]:
-    """Finite-element model of a flexible shoe and its four joint centres; remembered.
+    """Return the finite-element model of a flexible shoe and its four joint centres; remembered.
 
-    A ValueError says if the mesh has linear elements or no bores where the track's pins are, or lacks its
-    underside or the surface that is loaded.
+    Raises `ValueError` if the mesh has linear elements, no bores at the track's pins, no underside or no
+    surface for the load.
     """
     body, interfaces = _finite_elements(flexible.mesh, _material(flexible), track)
     check_surfaces(body.mesh, flexible.load_surface, flexible.mesh)
@@ -68,7 +68,7 @@ _partitions: WeakValueDictionary[fem.ElasticBody, fem.Partition] = WeakValueDict
 
 
 def partition(body: fem.ElasticBody, interfaces: Sequence[fem.Interface]) -> fem.Partition:
-    """Elastic body of a shoe tied to its joint centres; the same as long as somebody holds it.
+    """Return the elastic body of a shoe coupled to its joint centres; the same object while it is in use.
 
     Reduction and static fields share its factors, which take half a GB.
     """
@@ -80,9 +80,9 @@ def partition(body: fem.ElasticBody, interfaces: Sequence[fem.Interface]) -> fem
 
 @contextmanager
 def factors_held(case: Case) -> Iterator[None]:
-    """Within the block, hold the factors of a case's shoe, which its reduction and static fields share.
+    """Hold the factors of a case's shoe within the context; its reduction and static fields share them.
 
-    Behind it a run needs neither them nor the matrices.
+    Afterwards a run needs neither the factors nor the matrices.
     """
     body, interfaces = shoe_model(case.part(FlexibleShoes), case.track)
     held = partition(body, interfaces)
@@ -117,7 +117,7 @@ def _reduction(
 
 
 def check_shoe(case: Case) -> None:
-    """Refuse a mesh of the flexible shoes that does not fit the track, its shoes or the machine's memory."""
+    """Raise an error if a flexible shoe's mesh does not fit the track, its shoes or the machine's memory."""
     flexible = case.part(FlexibleShoes)
     body, _ = shoe_model(flexible, case.track)
     rails = case.shoe.rails if case.gear.wheel_names else None
@@ -125,11 +125,11 @@ def check_shoe(case: Case) -> None:
 
 
 def whole_reduction(case: Case) -> fem.CachedReduction:
-    """Reduce the shoe of a case to all the modes that its stress is made of; remembered, and kept on disk.
+    """Reduce the shoe of a case to all modes of its stress; remembered, and cached on disk.
 
-    They are the constraint modes and `recovered_modes` fixed-interface modes. The static answer to a force
-    along x on the node that the drive pulls joins them, if there is one: no fixed-interface mode knows of a
-    force on a single node. Errors are those of `shoe_model`.
+    The modes are the constraint modes and `recovered_modes` fixed-interface modes. The static response to a
+    force along x on the node that the drive pulls, if there is one, joins them: no fixed-interface mode
+    represents a force on a single node. Errors are those of `shoe_model`.
     """
     flexible = case.part(FlexibleShoes)
     body, _ = shoe_model(flexible, case.track)
@@ -140,9 +140,9 @@ def whole_reduction(case: Case) -> fem.CachedReduction:
 
 @lru_cache(maxsize=4)
 def integrated_in(flexible: FlexibleShoes, whole: fem.ReducedBody) -> fem.Nested:
-    """Modes of flexible shoes that are integrated, and where they lie in the whole reduction; remembered.
+    """Return the integrated modes of flexible shoes, and their positions in the whole reduction; remembered.
 
-    A ValueError says if no mode remains.
+    Raises `ValueError` if no mode remains.
     """
     nested = fem.nested_reduction(whole, flexible.fixed_modes, [MACHINE_LOAD] if flexible.load_mode else [])
     if flexible.modes is not None:
@@ -160,7 +160,7 @@ def integrated_in(flexible: FlexibleShoes, whole: fem.ReducedBody) -> fem.Nested
 
 
 def floating_shoe(case: Case) -> FloatingShoe:
-    """Reduce the mesh of a case's flexible shoes and integrate what the multibody system needs.
+    """Reduce the mesh of a case's flexible shoes and integrate the shape integrals of the multibody system.
 
     Errors are those of `check_shoe` and `integrated_in`.
     """
@@ -174,7 +174,7 @@ def floating_shoe(case: Case) -> FloatingShoe:
 def _floating_shoe(
     flexible: FlexibleShoes, footprint: tuple[float, ...], reduced: fem.ReducedBody
 ) -> FloatingShoe:
-    """Remembered, since a run builds its system twice."""
+    """Return the floating shoe; remembered, because a run builds its system twice."""
     under = reduced.mesh.nodes_of("underside")
     weights = reduced.weights(flexible.load_surface)
     spread = (*side_weights(weights, reduced.nodes), weights)
@@ -192,11 +192,10 @@ def _floating_shoe(
 
 
 def side_weights(weights: np.ndarray, nodes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Weights (n,) of a surface that grow evenly from nothing at one side to the right and to the left.
+    """Return weights (n,) of a surface that grow linearly from zero at one side to the right and to the left.
 
-    `weights` are even ones, shares of the surface's area, at `nodes` (n, 3), m; both results together are
-    these twice. A load that both share in unequal parts presses with a pressure that changes evenly across
-    the shoe.
+    `weights` are uniform ones, shares of the surface's area, at `nodes` (n, 3), m; the sum of both results is
+    twice these. A load shared in unequal parts then has a pressure that changes linearly across the shoe.
     """
     across = nodes[:, 1] - weights @ nodes[:, 1] / weights.sum()
     part = across / np.abs(across[weights != 0.0]).max()
@@ -204,7 +203,7 @@ def side_weights(weights: np.ndarray, nodes: np.ndarray) -> tuple[np.ndarray, np
 
 
 def weights_a_metre(weights: np.ndarray, nodes: np.ndarray) -> np.ndarray:
-    """Weights (n,) that a load over a surface has more for each metre of shift to the left.
+    """Return the change of weights (n,) of a surface load for each metre of shift to the left.
 
     Parameters are those of `side_weights`.
     """

@@ -1,4 +1,4 @@
-"""Order in which a system's unknowns are eliminated, and where in the fronts its terms go."""
+"""Order of the elimination of a system's unknowns, and rows of its terms in the fronts."""
 
 from collections.abc import Sequence
 
@@ -16,11 +16,11 @@ Unknowns = list[int]
 def fronts_of(
     assembler: Assembler, bodies: Bodies, terrain: Unknowns
 ) -> tuple[elimination.Fronts, FrontRows]:
-    """Fronts of what parts have put together, with the terrain's coordinates.
+    """Return the fronts of the assembled parts with the terrain's coordinates, and the rows of their terms.
 
-    Shoes go first, then the links along the chain, last the terrain, other bodies and other multipliers. Of a
-    closed chain links with two pins go first, then every second one of those that are left in turn, so that
-    what touches one part of the loop is not carried round all of it.
+    Shoes go first, then the links along the chain, last the terrain, other bodies and other multipliers. In a
+    closed chain links with two pins go first, then every second one of the remaining links in turn. Terms
+    that touch one part of the loop are then not carried round all of it.
     """
     count = assembler.mode_count
     coordinates = [
@@ -54,7 +54,7 @@ def fronts_of(
 
 
 def _rows_by_name(assembler: Assembler, first: int) -> dict[str, Unknowns]:
-    """Numbers of the multipliers of every joint, from a first one on."""
+    """Return the numbers of the multipliers of every joint, starting at `first`."""
     rows = {}
     for name, count in assembler.row_names:
         rows[name] = list(range(first, first + count))
@@ -68,7 +68,7 @@ def _front_rows(
     terrain: Unknowns,
     multipliers: Unknowns,
 ) -> FrontRows:
-    """Rows in the fronts of bodies, terrain and multipliers."""
+    """Return the rows in the fronts of bodies, terrain and multipliers."""
     places = [{unknown: row for row, unknown in enumerate(fronts.rows(f))} for f in range(len(fronts.pivots))]
     front_of = {u: f for f, place in enumerate(places) for u in list(place)[: fronts.pivots[f]]}
     return FrontRows(

@@ -29,7 +29,7 @@ class GearForces(NamedTuple):
 
     @classmethod
     def allocate(cls, times: int, shoes: int, some: int, work: Workspace) -> "GearForces":
-        """Arrays of zeros for a workspace, with `some` shoes one by one."""
+        """Return arrays of zeros for a workspace, with `some` shoes one by one."""
         of_wheels = work.forces.wheels
         lugs = len(work.forces.teeth.guide) // shoes
         return cls(
@@ -63,7 +63,7 @@ def write_gear_forces(
 ) -> None:
     """Write `GearForces` at coordinates and rates (times, coordinates).
 
-    `system` is a block of `tables.System`, `some` (f,) are the numbers of the shoes whose forces are wanted
+    `system` is a block of `tables.System`; `some` (f,) are the numbers of the shoes whose forces are wanted
     one by one.
     """
     tables = read_system(system).tables

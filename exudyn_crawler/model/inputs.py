@@ -1,4 +1,4 @@
-"""Loads and drive of a case at every time: what moves a system from outside."""
+"""Loads and drive of a case at every time: the external inputs of a system."""
 
 from collections.abc import Callable
 from typing import NamedTuple
@@ -26,10 +26,10 @@ class Inputs(NamedTuple):
 
 
 class TimedInputs:
-    """Loads and drive of a case over time, with so many `loads`.
+    """Loads and drive of a case over time, with `loads` loads.
 
-    `commands` is a function of the time (s) whose speed (m/s) with rate of turning (rad/s), and wrench (6,)
-    on the side frame, take the place of the case's; None: the case's act.
+    `commands` is a function of the time (s). It gives a speed (m/s), a rate of turning (rad/s) and a wrench
+    (6,) on the side frame, which replace those of the case; with None those of the case act.
     """
 
     def __init__(self, case: Case, loads: int) -> None:
@@ -52,7 +52,7 @@ class TimedInputs:
         self.commands: Callable[[float], tuple[np.ndarray, np.ndarray]] | None = None
 
     def at(self, time: float, driven: bool) -> Inputs:
-        """Loads and drive at a time (s); a track that is not `driven` has no drive."""
+        """Return loads and drive at a time (s); a track that is not `driven` has no drive."""
         case = self._case
         count = self._case.track.shoe_count
         shoes, speeds, machine = self._applied(time)
@@ -67,7 +67,10 @@ class TimedInputs:
         return Inputs(self._gravity, loads, float(speeds[2]), self._active[driven], speeds[:2], 1.0, motors)
 
     def _applied(self, time: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Loads of shoes; speed, rate of turning, side shift and slip; wrench on the frame, at a time."""
+        """Return the applied values at a time (s).
+
+        They are the loads of shoes; speed, rate of turning, side shift and slip; and the wrench on the frame.
+        """
         count = self._case.track.shoe_count
         values = np.zeros(count + 10)
         values_at(self._profiles, time, values)
@@ -78,5 +81,5 @@ class TimedInputs:
         return values[:count], speeds, machine
 
     def _speeds_of_tracks(self, speeds: np.ndarray) -> np.ndarray:
-        """Speeds of the tracks (..., tracks), m/s: a turn makes the right one faster than the left one."""
+        """Return speeds of tracks (..., tracks), m/s: a turn makes the right one faster than the left one."""
         return speeds[..., :1] - speeds[..., 1:2] * self._middles

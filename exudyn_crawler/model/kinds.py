@@ -1,7 +1,7 @@
-"""Kinds of joints and of forces that there are: their tables, their workspaces, and calls of them all.
+"""Kinds of joints and of forces: their tables, their workspaces, and calls of all of them.
 
-Another kind is a file in `joints` or `forces`, and here a field of its table and a call. The equations sum
-over rows and know none of them.
+A new kind is a file in `joints` or `forces`, and here a field of its table and a call. The equations sum over
+rows and do not depend on kinds.
 """
 
 from typing import NamedTuple
@@ -52,7 +52,7 @@ class Forces(NamedTuple):
 
 
 class ForceWork(NamedTuple):
-    """Workspaces of all kinds of forces, and the rows of all of them."""
+    """Workspaces of all kinds of forces, and their rows."""
 
     units: UnitWorkspace
     cells: CellWorkspace
@@ -65,7 +65,7 @@ class ForceWork(NamedTuple):
     def allocate(
         cls, forces: Forces, terrain: TerrainTable, contacts: int, shoes: ShoePoints, modes: int
     ) -> "ForceWork":
-        """Workspaces with at most so many contacts with units, or for shoes on cells; m modes."""
+        """Return workspaces for at most `contacts` contacts with units, or for shoes on cells; m modes."""
         on_units = UnitWorkspace.allocate(terrain, contacts, modes)
         on_cells = CellWorkspace.allocate(forces.cells, shoes)
         at_teeth = TeethWorkspace.allocate(len(forces.teeth.markers), modes)
@@ -106,7 +106,7 @@ def write_joints(
 def turn_multipliers(
     joints: Joints, bodies: Bodies, markers: Markers, change: FloatArray, multipliers: FloatArray
 ) -> None:
-    """Let multipliers along axes that turn go along with a `change` of coordinates and multipliers."""
+    """Rotate multipliers along rotating axes with a `change` of coordinates and multipliers."""
     pin.turn_moments(joints.pins, bodies, markers, change, multipliers)
 
 

@@ -1,4 +1,4 @@
-"""Layout of the states of a case, from what its machine was assembled of."""
+"""Layout of a case's states, from the assembly of its machine."""
 
 from exudyn_crawler.case import Case
 from exudyn_crawler.ground import pairs
@@ -7,7 +7,7 @@ from exudyn_crawler.model.assemble import Assembly
 
 
 def layout_of(case: Case, assembly: Assembly) -> state.StateLayout:
-    """Layout of the states of a case."""
+    """Return the layout of the states of a case."""
     tables = assembly.tables
     cells = tables.forces.cells
     contact = pairs.RESULTS if len(cells.flexible) > 0 else 0

@@ -1,4 +1,4 @@
-"""Markers: points of bodies at which joints, loads and drives act, and what a force there does to a body."""
+"""Markers: points of bodies at which joints, loads and drives act, and a force's effect on the body."""
 
 import math
 from typing import NamedTuple
@@ -20,10 +20,10 @@ from exudyn_crawler.ground.rotations import Attitude
 from exudyn_crawler.model.bodies import moved
 
 SMALL = 1e-3
-"""rad, rotation below which sine and cosine are taken as series."""
+"""Rotation (rad) below which sine and cosine are computed by series."""
 
 UNTURNED = (1.0, 0.5, 1.0 / 6.0)
-"""`_factors` of no rotation."""
+"""Result of `_factors` without rotation."""
 
 NOTHING = (0.0, 0.0, 0.0)
 
@@ -39,7 +39,7 @@ class Markers(NamedTuple):
 
 
 class End(NamedTuple):
-    """A marker as its body carries it."""
+    """Marker at the pose and deformation of its body."""
 
     lever: Vector  # from the frame's origin, m, global
     rotation: Vector  # vector to turn about, rad, the body's frame
@@ -48,7 +48,7 @@ class End(NamedTuple):
 
 @inner
 def _factors(angle: float) -> tuple[float, float, float]:
-    """``sin a / a``, ``(1 - cos a) / a^2`` and ``(a - sin a) / a^3``."""
+    """Return ``sin a / a``, ``(1 - cos a) / a^2`` and ``(a - sin a) / a^3``."""
     if angle < SMALL:
         square = angle * angle
         return 1.0 - square / 6.0, 0.5 - square / 24.0, 1.0 / 6.0 - square / 120.0
@@ -58,7 +58,7 @@ def _factors(angle: float) -> tuple[float, float, float]:
 
 @inner(merged=True)
 def end_of(markers: Markers, k: int, attitude: Attitude, row: FloatArray) -> End:
-    """Marker k at the coordinates of its body and its modes (6 + m,)."""
+    """Return marker k at the coordinates of its body and its modes (6 + m,)."""
     position = (markers.position[k, 0], markers.position[k, 1], markers.position[k, 2])
     if markers.modes[k] == 0:
         return End(turned(attitude.R, position), NOTHING, UNTURNED)
@@ -69,7 +69,7 @@ def end_of(markers: Markers, k: int, attitude: Attitude, row: FloatArray) -> End
 
 @inner(merged=True)
 def axis_of(end: End, attitude: Attitude, k: int) -> Vector:
-    """Axis k of an end, global: ``R exp(rotation) e_k``."""
+    """Return axis k of an end, global: ``R exp(rotation) e_k``."""
     t = end.rotation
     s, c, _ = end.factors
     once = cross(t, basis(k))
@@ -78,10 +78,10 @@ def axis_of(end: End, attitude: Attitude, k: int) -> Vector:
 
 @inner
 def _by_rotation(end: End, moment: Vector) -> Vector:
-    """Part of a moment (the shoe's frame) that the rates of an end's rotation vector feel.
+    """Return the part of a moment (the shoe's frame) that is conjugate to an end's rotation vector.
 
-    An end turns at ``T rotation'`` with ``T = 1 + (1 - cos a)/a^2 t~ + (a - sin a)/a^3 t~ t~``; this is its
-    transpose times the moment.
+    An end turns at ``T rotation'`` with ``T = 1 + (1 - cos a)/a^2 t~ + (a - sin a)/a^3 t~ t~``; the result is
+    its transpose times the moment.
     """
     t = end.rotation
     _, c, d = end.factors
@@ -91,7 +91,7 @@ def _by_rotation(end: End, moment: Vector) -> Vector:
 
 @inner(merged=True)
 def _work(shapes: FloatArray, force: Vector, k: int) -> float:
-    """Work of a force (the body's frame) along mode k of shapes (3, m)."""
+    """Return the work of a force (the body's frame) along mode k of shapes (3, m)."""
     return force[0] * shapes[0, k] + force[1] * shapes[1, k] + force[2] * shapes[2, k]
 
 
@@ -108,7 +108,7 @@ def direction(
 ) -> None:
     """Write the generalized force (6 + m,) of a force and a moment (global) at marker k, times a sign.
 
-    Of a rigid body the latter m stay as they are.
+    For a rigid body the last m entries are not written.
     """
     turning = turned(attitude.axes, along(moment, 1.0, cross(end.lever, force)))
     for c in range(3):
@@ -131,10 +131,10 @@ def direction(
 def write_point(
     attitude: Attitude, arm: Vector, shapes: FloatArray, modes: int, sign: float, jacobian: FloatArray
 ) -> None:
-    """Write how a point of a body moves by its coordinates and modes (3, 6 + m), times a sign.
+    """Write a point's Jacobian by the coordinates and modes of its body (3, 6 + m), times a sign.
 
-    `arm` leads there from the body's origin, m, global; `modes` of a flexible body, whose first three rows of
-    `shapes` are in its axes, move the point.
+    `arm` is the vector from the body's origin to the point, m, global. The first `modes` columns of `shapes`
+    (3 or more, m), in the body's axes, move the point of a flexible body.
     """
     for c in range(3):
         by_angle = cross(attitude.axes[c], arm)

@@ -13,26 +13,26 @@ from exudyn_crawler.model.inputs import Inputs
 from exudyn_crawler.model.tables import Search, read_system
 
 CONTRACTION = 0.5
-"""Largest ratio of successive residuals with which an old matrix is kept."""
+"""Largest ratio of successive residuals at which an old matrix is kept."""
 OLDEST = 8
-"""Most iterations with one matrix."""
+"""Largest number of iterations with one matrix."""
 TANGENTS = 2
-"""Matrices of one step with the tangent of the friction curve; later ones take the secant."""
+"""Number of matrices of a step with the tangent of the friction curve; later ones use the secant."""
 CLOSER = 0.25
-"""Residual that the matrix of the last step has to reach, fraction of the limit.
+"""Residual that the matrix of the last step must reach, fraction of the limit.
 
-A new matrix leaves a hundredth of the limit; what an old one leaves adds up over steps.
+A new matrix leaves a hundredth of the limit; the residuals of an old one add up over steps.
 """
 DIVERGED = 1e30
 """Residual above which the search is given up, N."""
 
 FACTORED, DERIVED, STALE = 0, 1, 2
-"""What an iteration finds: a factored matrix to solve with; rows with the derivatives for a new matrix;
-or neither, so that it evaluates the residual with derivatives first."""
+"""States of the matrix at the start of an iteration: factored; rows with derivatives for a new matrix;
+neither, so that the iteration first evaluates the residual with derivatives."""
 
 
 class Limits(NamedTuple):
-    """Where the search of a step begins and ends."""
+    """Start and end of the search of a step."""
 
     residual: float  # N, root mean square, at which it has converged
     iterations: int  # at most
@@ -50,7 +50,7 @@ class Outcome(NamedTuple):
 
 @inner(allocates=True)
 def _norm(residual: FloatArray) -> float:
-    """Return the root mean square."""
+    """Return the root mean square of the residual."""
     return np.sqrt(np.sum(residual * residual) / residual.shape[0])
 
 
@@ -72,11 +72,11 @@ def _subtract(
 
 @inner
 def _is_stale(search: Search, matrices: int, age: int, norm: float, last: float, limit: float) -> bool:
-    """Return whether a matrix should be replaced after an iteration that reduced a residual `last` to `norm`.
+    """Return True if a matrix should be replaced after an iteration that reduced a residual `last` to `norm`.
 
-    `matrices` are those of this step so far, `age` is the number of iterations with the present one. A matrix
-    is replaced once it converges slowly or is too old; and before that, as long as matrices with tangents are
-    left, if `search` predicts that it misses the limit.
+    `matrices` is the number of matrices of this step so far, `age` the number of iterations with the present
+    one. A matrix is replaced if it converges slowly or is too old. As long as matrices with tangents remain,
+    it is also replaced if `search` predicts that it misses the limit.
     """
     if (age > 2 and norm > CONTRACTION * last) or age > OLDEST:
         return True
@@ -101,10 +101,10 @@ def step(
 ) -> Outcome:
     """Solve the equations of a step from its prediction, in place.
 
-    `system` is a block of `tables.System`. `state` (3, coordinates) are predicted coordinates, rates and
-    accelerations; the latter two follow a change of the coordinates ``weights.velocity`` and
-    ``weights.acceleration`` times. `multipliers` are those of the last step. `scratch` are the residual, left
-    as it was last, and the values of the fronts, which hold the factored matrix.
+    `system` is a block of `tables.System`. `state` (3, coordinates) holds predicted coordinates, rates and
+    accelerations; rates and accelerations follow a change of the coordinates by the factors
+    ``weights.velocity`` and ``weights.acceleration``. `multipliers` are those of the last step. `scratch`
+    holds the last residual and the values of the fronts with the factored matrix.
     """
     out, values = scratch
     fronts = read_system(system).tables.fronts

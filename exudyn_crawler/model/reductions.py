@@ -1,4 +1,4 @@
-"""Where reductions of flexible shoes and their static fields are cached between runs."""
+"""Caches of reductions of flexible shoes and of their static fields between runs."""
 
 import logging
 import os
@@ -10,16 +10,19 @@ from pathlib import Path
 from platformdirs import user_cache_path
 
 VARIABLE = "EXUDYN_CRAWLER_CACHE"
-"""Environment variable that names the folder of caches in place of the user's cache folder."""
+"""Environment variable with the folder of caches, which replaces the user's cache folder."""
 
 warn = logging.getLogger("exudyn_crawler").warning
-"""What a cache has to tell goes to the log."""
+"""Function that writes a cache's messages to the log."""
 
 _chosen: ContextVar[Path | None] = ContextVar("folder of reductions", default=None)
 
 
 def reductions_folder() -> Path:
-    """Folder of cached reductions: of `reductions_in`, of the environment, or in the user's cache folder."""
+    """Return the folder of cached reductions.
+
+    It is that of `reductions_in`, of the environment, or in the user's cache folder.
+    """
     chosen = _chosen.get()
     if chosen is not None:
         return chosen
@@ -39,7 +42,7 @@ def reductions_in(folder: str | Path | None) -> Iterator[None]:
 
 
 def program_digest() -> str:
-    """SHA-256 of all sources that results are made with."""
+    """Return the SHA-256 of all sources that affect results."""
     # `reductions_line` must not wait for finite elements
     from fem.sources import source_digest
 
@@ -48,7 +51,7 @@ def program_digest() -> str:
 
 
 def reductions_line() -> str:
-    """Content of the cache, in a line."""
+    """Return the content of the cache in one line."""
     folder = reductions_folder()
     sizes = {path: path.stat().st_size for path in folder.glob("[!.]*.h5")}  # a dot: being written
     shoes = [path for path in sizes if path.suffixes == [".h5"]]  # static fields have one more

@@ -1,7 +1,7 @@
-"""Rows of joints: what a constraint of any kind gives to the equations, which know nothing else of it.
+"""Rows of joints: the terms that constraints of any kind add to the equations, which use nothing else.
 
 A constraint is a force and a moment on a body, or opposite ones on two. Its row of the Jacobian, over the
-coordinates of a body, turns their rates into the rate of the gap, and its multiplier into generalized forces.
+coordinates of a body, maps their rates to the rate of the gap, and its multiplier to generalized forces.
 """
 
 from typing import NamedTuple
@@ -13,22 +13,22 @@ from exudyn_crawler.ground.packed import FloatArray, Floats1, Floats2, Floats3, 
 from exudyn_crawler.model.bodies import Bodies
 
 STIFFNESS = 1e9
-"""N/m and N m/rad, what turns a gap of a constraint into a residual beside forces: about what closing it
-within a step of some ms takes of a shoe's mass."""
+"""Factor (N/m and N m/rad) from a gap of a constraint to a residual comparable with forces: about the force
+per gap that closes it within a step of some ms for a shoe's mass."""
 
 ALONG_JACOBIAN = -1
-"""In place of a row of directions: the multiplier acts along the Jacobian."""
+"""Flag instead of a row of directions: the multiplier acts along the Jacobian."""
 
 ACTED_ON = 3
-"""Bodies on which the multiplier of a row of directions acts, at most."""
+"""Largest number of bodies on which the multiplier of a row of directions acts."""
 
 
 class JointRows(NamedTuple):
-    """Constraints of all joints, r of them, as they are at a state; m modes of a flexible body; workspace.
+    """Constraints of all joints at a state, r of them; m modes of a flexible body; workspace.
 
-    The residual of a row is ``scale gap + share multiplier``, and `STIFFNESS` times `relaxation` times the
-    rate of the gap where that is not zero. Its derivative by the coordinates is `slope` times the Jacobian
-    beside that of the relaxation.
+    The residual of a row is ``scale gap + share multiplier``; if `relaxation` is not zero, `STIFFNESS` times
+    `relaxation` times the rate of the gap is added. Its derivative by the coordinates is `slope` times the
+    Jacobian, without that of the relaxation.
     """
 
     bodies: Ints2  # (r, 2): -1 for none; a constraint that does not act has none
@@ -49,7 +49,7 @@ class JointRows(NamedTuple):
 
     @classmethod
     def allocate(cls, rows: int, directed: int, turned: int, modes: int) -> "JointRows":
-        """Workspace of so many rows, directions, and bodies' pairs that turn."""
+        """Return a workspace for `rows` rows, `directed` directions and `turned` pairs of rotating bodies."""
         width = 6 + modes
         return cls(
             bodies=np.full((rows, 2), -1),
@@ -70,7 +70,7 @@ class JointRows(NamedTuple):
 
 @inner
 def gap_rate(bodies: Bodies, rows: JointRows, r: int, state: FloatArray) -> float:
-    """Rate (m/s or rad/s) of the gap of a constraint between two rigid bodies."""
+    """Return the rate (m/s or rad/s) of the gap of a constraint between two rigid bodies."""
     rate = 0.0
     for side in range(2):
         first = bodies.coordinate[rows.bodies[r, side]]

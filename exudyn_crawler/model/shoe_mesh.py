@@ -1,4 +1,4 @@
-"""Where a flexible shoe's mesh meets pins, ground, rollers and drive; whether it fits rigid neighbours."""
+"""Points of a flexible shoe's mesh at pins, ground, rollers and drive; its fit with rigid neighbours."""
 
 from dataclasses import dataclass
 
@@ -12,19 +12,20 @@ from meshes.rails import rail_outline, station_weights
 from meshes.undersides import ground_outline
 
 PIN_TOLERANCE = 1e-3
-"""m, between the axis of a bore and the pin."""
+"""Allowed distance (m) between the axis of a bore and the pin."""
 BESIDE = 1.0
-"""Of a bore's length: how far a joint may be from its middle, which is half of it beside the lug."""
+"""Largest offset of a joint from the middle of its bore, fraction of the bore's length; 0.5 is the face of
+the lug."""
 TOLERANCE = 5e-3
-"""m, between the mesh's underside, or its rails, and those of the rigid shoes, where all shoes are met."""
+"""Allowed difference (m) between the mesh's underside, or its rails, and those of the rigid shoes, at which
+all shoes are in contact."""
 EDGES = ["rear", "front", "right", "left", "height"]
 
 
 def pin_interfaces(mesh: Mesh, name: str, track: Track) -> list[Interface]:
-    """Interfaces of a shoe at the joint centres of its track, each tied to its bore.
+    """Return interfaces of a shoe at the joint centres of its track, each coupled to its bore.
 
-    A ValueError, which calls the mesh by this name, says if it is in other units, or has no bore where a pin
-    is.
+    Raises `ValueError`, with this name of the mesh, if the mesh is in other units or has no bore at a pin.
     """
     check_extent(mesh, name)
     interfaces = []
@@ -52,7 +53,7 @@ def pin_interfaces(mesh: Mesh, name: str, track: Track) -> list[Interface]:
 
 
 def check_fit(mesh: Mesh, name: str, shoe: Shoe, rails: Rails | None) -> None:
-    """Refuse a mesh whose underside is not that of the rigid shoes, or whose rails are not these, if any."""
+    """Raise `ValueError` if the underside of a mesh, or its rails, are not those of the rigid shoes."""
     under = ground_outline(mesh)
     edges = [under.low[0], under.high[0], under.low[1], under.high[1], under.level]
     compared = [("underside of the case's shoes", EDGES, edges, shoe.footprint.tolist())]
@@ -77,21 +78,24 @@ def check_fit(mesh: Mesh, name: str, shoe: Shoe, rails: Rails | None) -> None:
 
 
 STATIONS = 9
-"""Along a rail, its ends included."""
+"""Number of stations along a rail, including its ends."""
 
 
 def strip_lines(frame: RunningGear, rails: Rails) -> np.ndarray:
-    """Y of the strips of a roller, those of the right tread first: array (2 strips,), m."""
+    """Return y of the strips of a roller, those of the right tread first: array (2 strips,), m."""
     return np.concatenate([middle + frame.strip_places for middle in rails.middles])
 
 
 def station_spacing(rails: Rails) -> float:
-    """Distance of neighbouring stations, m."""
+    """Return the distance of neighbouring stations, m."""
     return (rails.front - rails.rear) / (STATIONS - 1)
 
 
 def strip_weights(mesh: Mesh, frame: RunningGear, rails: Rails) -> tuple[np.ndarray, np.ndarray]:
-    """Nodes (k,) of the rails, and their shares (lines, STATIONS, k) in a force at a station of a strip."""
+    """Return nodes (k,) of the rails, and their weights (lines, STATIONS, k).
+
+    A weight is the node's share in a force at a station of a strip.
+    """
     lines = strip_lines(frame, rails)
     along = np.linspace(rails.rear, rails.front, STATIONS)
     weights = station_weights(mesh, [(x, y) for y in lines for x in along])
@@ -100,16 +104,17 @@ def strip_weights(mesh: Mesh, frame: RunningGear, rails: Rails) -> tuple[np.ndar
 
 
 def extended(rows: np.ndarray) -> np.ndarray:
-    """Rows (lines, STATIONS, ...) at the stations, extrapolated evenly by one on either side."""
+    """Return rows (lines, STATIONS, ...) with one linearly extrapolated station at either end."""
     before = 2.0 * rows[:, :1] - rows[:, 1:2]
     behind = 2.0 * rows[:, -1:] - rows[:, -2:-1]
     return np.ascontiguousarray(np.concatenate((before, rows, behind), axis=1))
 
 
 def rail_rows(reduced: ReducedBody | None, frame: RunningGear, rails: Rails) -> np.ndarray:
-    """Displacements of lines along the rails, under the strips of wheels, by m modes of flexible shoes.
+    """Return displacements of the rails, on lines under the strips of wheels, by m modes of flexible shoes.
 
-    At even stations, as in `extended`: array (lines, STATIONS + 2, 3, m); without a reduced body m is 0.
+    They are at even stations, as in `extended`: array (lines, STATIONS + 2, 3, m); without a reduced body m
+    is 0.
     """
     if reduced is None:
         return np.zeros((len(strip_lines(frame, rails)), STATIONS + 2, 3, 0))
@@ -118,9 +123,9 @@ def rail_rows(reduced: ReducedBody | None, frame: RunningGear, rails: Rails) -> 
 
 
 def cubic_weights(t: np.ndarray) -> np.ndarray:
-    """Shares (k, STATIONS + 2) of `extended` rows in those at places (k,), in spacings from the rear end.
+    """Return weights (k, STATIONS + 2) of `extended` rows at positions (k,), in spacings from the rear end.
 
-    By the cubics of `forces.wheels`.
+    The cubics are those of `forces.wheels`.
     """
     first = np.minimum(t.astype(int), STATIONS - 2)
     u = t - first
@@ -138,13 +143,13 @@ def cubic_weights(t: np.ndarray) -> np.ndarray:
 
 @dataclass(frozen=True)
 class DrivePoint:
-    """Point of a shoe, with a body of m modes; none for a rigid shoe."""
+    """Point of a shoe at which the drive acts, with m modes; none for a rigid shoe."""
 
     place: np.ndarray  # (3,): where it is in the undeformed shoe, m, the shoe's frame
     rows: np.ndarray  # (3, m): its displacement by each mode; transposed, they make modal loads of a force
 
     def arm(self, angles: np.ndarray, modal: np.ndarray) -> np.ndarray:
-        """From the frame's origin to the point, global: array (..., 3), m.
+        """Return the vector from the frame's origin to the point, global: array (..., 3), m.
 
         `angles` (..., 3) are successive rotations about x, y, z, rad, `modal` (..., m) modal coordinates.
         """
@@ -153,7 +158,7 @@ class DrivePoint:
 
 
 def pulled_node(case: Case, mesh: Mesh) -> int | None:
-    """Node of the flexible shoes' mesh that has all of the drive's force; None where none has."""
+    """Return the node of the flexible shoes' mesh with all of the drive's force; None without such a node."""
     flexible = case.flexible
     if flexible is None or case.gear.loops or case.drive.point != "com node":
         return None
@@ -163,7 +168,10 @@ def pulled_node(case: Case, mesh: Mesh) -> int | None:
 
 
 def pin_middle(track: Track, reduced: ReducedBody | None, end: str) -> tuple[np.ndarray, np.ndarray | None]:
-    """Middle of the rear or front pins of a shoe (m), and its displacement by the modes of a flexible one."""
+    """Return the middle of the rear or front pins of a shoe (m).
+
+    For a flexible shoe also return its displacement by the modes.
+    """
     if reduced is None:
         centers = [center for name, center in track.joint_centers.items() if name.startswith(end)]
         return np.mean(centers, axis=0), None
@@ -173,9 +181,9 @@ def pin_middle(track: Track, reduced: ReducedBody | None, end: str) -> tuple[np.
 
 
 def drive_point(case: Case, reduced: ReducedBody | None) -> DrivePoint:
-    """Point at which a case's drive moves its front shoe, of which `reduced` is the body and the modes.
+    """Return the point at which a case's drive moves its front shoe; `reduced` is the body with its modes.
 
-    None is for a rigid shoe, whose COM is in place of a node.
+    With None the shoe is rigid; its COM then takes the place of a node.
     """
     at_pins = case.drive.point == "front pins"
     node = None if reduced is None else pulled_node(case, reduced.mesh)

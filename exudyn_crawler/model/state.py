@@ -1,9 +1,9 @@
 """Layout of a state: the meaning of the numbers of a row.
 
 A row holds the time; the coordinates, their first and their second rates; the Lagrange multipliers, joint by
-joint; and what the ground's contact has that does not follow from these. Coordinates are six a body
-(displacement of its origin from t = 0, then the angles about x, y, z): those of the shoes first, then the
-terrain's, the flexible shoes' modes and other bodies.
+joint; and the values of the ground's contact that do not follow from these. Each body has six coordinates
+(displacement of its origin from t = 0, then the angles about x, y, z): those of the shoes come first, then
+the terrain's, the flexible shoes' modes and other bodies.
 """
 
 import json
@@ -14,7 +14,7 @@ from math import prod
 import numpy as np
 
 VERSION = 8
-"""Of the layout's text and of the case beside it; another version is an error."""
+"""Version of the layout's text and of the case beside it; another version is an error."""
 
 RATES = ("", " rate", " acceleration")
 """Suffixes of the names of coordinates, of their first and of their second rates."""
@@ -22,11 +22,11 @@ RATES = ("", " rate", " acceleration")
 BODY_COORDINATES = ("x", "y", "z", "rotation about x", "rotation about y", "rotation about z")
 
 BEARING, MOTOR = "bearing of the {}", "motor of the {}"
-"""Joints between frame and a tumbler, or an idler: its slide, and what keeps it from spinning."""
+"""Names of the joints between a frame and a tumbler or an idler: bearing or slide, and motor against spin."""
 
 
 def pin_name(side: str, link: int) -> str:
-    """Name of the joint at one pin, "right" or "left", of a link (numbers from 1)."""
+    """Return the name of the joint at one pin, "right" or "left", of a link (numbers from 1)."""
     return f"{side} pin of link {link}"
 
 
@@ -46,8 +46,8 @@ class StateLayout:
     flexible_shoes: tuple[int, ...] = ()  # their numbers
     modes: int = 0  # of each flexible shoe
     multipliers: tuple[tuple[str, int], ...] = ()  # items with Lagrange multipliers and how many each has
-    # numbers of the contact with a shoe that do not follow from the rest: with the engine's contact the force
-    # and moment that it makes
+    # number of values of a shoe's contact that do not follow from the rest: with the engine's contact its
+    # force and moment
     contact: int = 0
     bodies: tuple[str, ...] = ()  # names of the bodies beside the shoes
 
@@ -89,9 +89,9 @@ class StateLayout:
         return first + prod(shape)
 
     def part(self, rows: np.ndarray, name: str) -> np.ndarray:
-        """View of a part of rows (..., size): array (..., shape of the part).
+        """Return a view of a part of rows (..., size): array (..., shape of the part).
 
-        A ValueError says if there is no such part or the rows have another length.
+        Raises `ValueError` if there is no such part or the rows have another length.
         """
         if rows.shape[-1] != self.size:
             raise ValueError(f"rows of a state must have {self.size} numbers, got {rows.shape[-1]}")
@@ -104,15 +104,15 @@ class StateLayout:
         return self._parts[name]
 
     def first_multiplier(self, name: str) -> int:
-        """Index of an item's first multiplier among all multipliers; a ValueError if it has none."""
+        """Return the index of an item's first multiplier among all; raise `ValueError` if it has none."""
         return self._place(name)[0] - self._place("multipliers")[0]
 
     def has(self, name: str) -> bool:
-        """True if there is a part of this name."""
+        """Return True if there is a part of this name."""
         return name in self._parts
 
     def equation(self, row: int) -> str:
-        """Coordinate that an equation belongs to, or, behind all of those, the multiplier's item."""
+        """Return the coordinate of an equation, or, behind all coordinates, the item of the multiplier."""
         shoes = [f"shoe {number + 1}" for number in range(self.shoes)]
         units = [f"unit {number + 1}" for number in range(self.terrain // 6)]
         shoes, units, others = (
@@ -125,5 +125,5 @@ class StateLayout:
         return [*shoes, *(units if self.terrain_bodies else terrain), *modes, *others, *multipliers][row]
 
     def to_json(self) -> str:
-        """Layout as text, with its version."""
+        """Return the layout as text, with its version."""
         return json.dumps({"version": VERSION} | asdict(self))

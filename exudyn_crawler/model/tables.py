@@ -1,7 +1,7 @@
-"""A system as tables: bodies, markers, joints and forces, and the workspace of its equations.
+"""System as tables: bodies, markers, joints and forces, and the workspace of its equations.
 
-Compiled code reads them in a block of memory (`ground.packed`). What a case has none of has no rows, so that
-all cases are compiled as one.
+Compiled code reads them in a block of memory (`ground.packed`). A kind that a case does not have has no rows,
+so that all cases are compiled as one.
 """
 
 from typing import NamedTuple
@@ -20,7 +20,7 @@ from exudyn_crawler.model.terrain import TerrainTable
 
 
 class FrontRows(NamedTuple):
-    """Where in the fronts of the elimination the terms of the equations go."""
+    """Rows of the terms of the equations in the fronts of the elimination."""
 
     # (fronts, bodies): row of a body's first coordinate in a front, -1 where the front has none; modes follow
     body: packed.Ints2
@@ -30,7 +30,7 @@ class FrontRows(NamedTuple):
 
 
 class Search(NamedTuple):
-    """When Newton's method takes a new matrix before the old one fails, by what that one is taken to do."""
+    """Conditions for a new matrix before the old one fails, by the old one's predicted convergence."""
 
     least: float  # least share of a residual that it leaves
     slower: float  # what it leaves over what it left last; zero with the first for no such judgement
@@ -38,7 +38,7 @@ class Search(NamedTuple):
 
 
 class Tables(NamedTuple):
-    """All of a system that does not change."""
+    """Constant data of a system."""
 
     bodies: Bodies
     modes: Modes
@@ -54,7 +54,7 @@ class Tables(NamedTuple):
 
 
 class Workspace(NamedTuple):
-    """Values that a residual leaves for the matrix and for the next one."""
+    """Results of a residual for the matrix and for the next residual."""
 
     first: packed.Floats2  # (bodies, ...): this and the next two are the `Inertia` of every body
     second: packed.Floats3
@@ -65,7 +65,7 @@ class Workspace(NamedTuple):
 
     @classmethod
     def allocate(cls, tables: Tables, contacts: int, shoes: ShoePoints) -> "Workspace":
-        """Workspace of a system with at most so many contacts, or with shoes on cells."""
+        """Return the workspace of a system with at most `contacts` contacts, or with shoes on cells."""
         count = len(tables.bodies.mass)
         m = len(tables.modes.stiffness)
         joints = tables.joints
@@ -82,7 +82,7 @@ class Workspace(NamedTuple):
 
 
 class System(NamedTuple):
-    """Tables and workspace, which compiled code finds in one block."""
+    """Tables and workspace in one block for compiled code."""
 
     tables: Tables
     work: Workspace

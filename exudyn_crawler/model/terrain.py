@@ -8,7 +8,7 @@ from exudyn_crawler.ground.rows import Weights
 
 
 class TerrainTable(NamedTuple):
-    """Terrain in coordinates whose mass is 1."""
+    """Terrain in coordinates with unit masses."""
 
     heave: Floats2  # (units, coordinates): of the units by the coordinates
     tilt: Floats2
@@ -25,7 +25,7 @@ def add_terrain(
 ) -> None:
     """Add inertia, supports and weight of the terrain, and forces (units, 2) on heave and tilt of its units.
 
-    `gravity` is that along z, m/s2, global.
+    `gravity` is the component along z, m/s2, global.
     """
     first = terrain.first
     size = terrain.heave.shape[1]

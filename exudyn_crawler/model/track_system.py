@@ -1,4 +1,4 @@
-"""Everything that a run asks of a multibody system, of Exudyn's items or of compiled equations."""
+"""Interface of a run to a multibody system of Exudyn's items or of compiled equations."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
@@ -17,18 +17,18 @@ if TYPE_CHECKING:
     from exudyn_crawler.model.gear import GearForces
 
 FIRST_DEPTH = 1e-5
-"""m, of all rollers in their rails to start from: enough to be felt."""
+"""Initial depth (m) of all rollers in their rails: enough for a contact force."""
 
 
 class TrackSystem(ABC):
-    """Multibody system that Exudyn steps through time, assembled of a case."""
+    """Multibody system of a case that Exudyn steps through time."""
 
-    layout: StateLayout  # what the numbers of a state are
+    layout: StateLayout  # meaning of the numbers of a state
 
     def __init__(self, case: Case, assembly: Assembly) -> None:
         self.case = case
         self.contact = assembly.contact  # contact forces as functions of its coordinates
-        self.floating = assembly.floating  # what the flexible shoes share
+        self.floating = assembly.floating  # shared data of the flexible shoes
         self.mass = float(assembly.tables.bodies.mass.sum())  # of all bodies but the ground, kg
         self.point = assembly.point  # point of the front shoe that the drive moves
         self.container = exu.SystemContainer()
@@ -37,25 +37,25 @@ class TrackSystem(ABC):
 
     @property
     def frequencies(self) -> np.ndarray | None:
-        """Of the flexible shoes' modes, Hz: array (modes,); None without flexible shoes."""
+        """Frequencies (Hz) of the flexible shoes' modes: array (modes,); None without flexible shoes."""
         return None if self.floating is None else self.floating.reduced.frequencies
 
     def gear_forces(self, times: np.ndarray, q: np.ndarray, q_t: np.ndarray) -> "GearForces":
-        """Forces of a running gear on the shoes at times (t,), s, coordinates and rates (t, coordinates).
+        """Return forces of a running gear on shoes at times (t,), s, coordinates and rates (t, coordinates).
 
-        On all shoes of an open track one by one, and on the flexible ones of a closed one.
+        Forces are separate for all shoes of an open track, and for the flexible shoes of a closed one.
         """
         raise NotImplementedError("the case needs a running gear")
 
     @property
     def sticks(self) -> bool:
-        """True where the ground holds shoes at rest by its shear, without slip."""
+        """True if the ground holds shoes at rest by its shear, without slip."""
         return self.cells is not None
 
     def first_guess(self) -> np.ndarray:
-        """Coordinates from which a rest is sought: units sunk by their weight, shoes by their loads.
+        """Return coordinates to start the search for rest: units sunk by their weight, shoes by their loads.
 
-        On ground that sticks shoes have been put down there, and shear from there. A closed track is put on
+        On ground that sticks the shoes are put down there, and shear starts there. A closed track is put on
         the ground as it was assembled.
         """
         case = self.case
@@ -88,20 +88,20 @@ class TrackSystem(ABC):
         return q
 
     def after_step(self, report: Callable[[float], bool] | None) -> None:
-        """Call a function with the time after each step; the run ends where it gives False.
+        """Call a function with the time after each step; the run ends if it returns False.
 
-        None lets go of the last one: what the engine's functions hold is not freed before.
+        None releases the last function: the engine does not free the objects of its functions before.
         """
         # Exudyn's stub does not know that zero is none
         function: Any = 0 if report is None else lambda _mbs, time: report(time)
         self.mbs.SetPostStepUserFunction(function)
 
     def memory(self) -> dict[str, np.ndarray]:
-        """Memory of the ground after the last step, as arrays by name; of ground without any none."""
+        """Return the ground's memory after the last step, as arrays by name; empty if it has none."""
         return {} if self.cells is None else self.cells.ground.state()
 
     def remember(self, memory: Mapping[str, np.ndarray]) -> None:
-        """Give cells a memory, see `memory`; other ground has none."""
+        """Set the memory of cells, see `memory`; other ground has none."""
         if self.cells is not None:
             self.cells.ground.restore(memory)
 
@@ -110,9 +110,9 @@ class TrackSystem(ABC):
         """Start from coordinates, and from rest or from rates."""
 
     def set_state(self, row: np.ndarray, memory: Mapping[str, np.ndarray] | None = None) -> None:
-        """Start from a row, see `state`, whose time goes into the solver's settings, and a memory.
+        """Start from a row, see `state`, and a memory; the row's time goes into the solver's settings.
 
-        Without a memory the ground keeps what it has.
+        Without a memory the ground keeps its present one.
         """
         if memory is not None:
             self.remember(memory)
@@ -124,14 +124,14 @@ class TrackSystem(ABC):
         """Start from coordinates, rates and accelerations (3, coordinates); slip counts from there."""
 
     def state(self) -> np.ndarray:
-        """Current state in one row, laid out as `layout` says."""
+        """Return the current state in one row, in the order of `layout`."""
         time = self.mbs.systemData.GetTime()
         contacts = self.stored_contacts()
         return np.concatenate(((time,), *self.coordinates(), self.multipliers, contacts.ravel()))
 
     @abstractmethod
     def coordinates(self) -> Sequence[np.ndarray]:
-        """Current coordinates, rates and accelerations, in the layout's order."""
+        """Return the current coordinates, rates and accelerations, in the layout's order."""
 
     @property
     @abstractmethod
@@ -139,20 +139,21 @@ class TrackSystem(ABC):
         """Multipliers of all constraints, in the layout's order: N and N m."""
 
     def stored_contacts(self) -> np.ndarray:
-        """Numbers of the contacts (shoes, layout.contact) that do not follow from the rest of a state."""
+        """Return values of contacts (shoes, layout.contact) that do not follow from the rest of a state."""
         if self.cells is None:
             return np.zeros((self.layout.shoes, 0))
         return self.cells.contacts(self.layout.contact)
 
     @abstractmethod
     def switch_drive(self, on: bool) -> None:
-        """Move the front shoe from now on, or leave it free."""
+        """Drive the front shoe from now on, or leave it free."""
 
     @abstractmethod
     def solve(
         self, settings: "exu.SimulationSettings", next_end: Callable[[float], float] | None = None
     ) -> None:
-        """Integrate between the times of the settings; a `NewtonError` if a step fails at its least size.
+        """Integrate between the times of the settings; raise `NewtonError` if a step fails at its least size.
 
-        `next_end` gives the time (s) behind one at which a step has to end; None leaves it to Exudyn.
+        `next_end` gives, for a time (s), the next time (s) at which a step has to end; None leaves it to
+        Exudyn.
         """

@@ -1,1 +1,1 @@
-"""Force elements of the compiled equations, a file a kind."""
+"""Force elements of the compiled equations, one file for each kind."""

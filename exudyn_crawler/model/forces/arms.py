@@ -1,8 +1,8 @@
 """Springs, dampers and bump stops of arms that carry road wheels: moments between arm and side frame.
 
-An arm turns about a pivot of its frame, whose bearing is a pin as those of the chain. Its way up counts from
-where its wheel is at its place in the frame; there the spring, mostly a torsion bar, presses the wheel down
-with a moment that is given.
+An arm turns about a pivot of its frame, whose bearing is a pin like those of the chain. Its upward rotation
+counts from the nominal position of its wheel in the frame. There the spring, mostly a torsion bar, presses
+the wheel down with a given moment.
 """
 
 import math
@@ -20,10 +20,10 @@ class Arms(NamedTuple):
 
     bodies: Ints2  # (k, 2): arm and frame
     up: Floats1  # (k,): 1 where turning about y lifts the wheel, which is behind its pivot, else -1
-    torque: Floats1  # (k,): N m, with which the spring presses the wheel down where it is at its place
+    torque: Floats1  # (k,): N m, moment of the spring at the wheel's nominal position, presses the wheel down
     stiffness: Floats1  # (k,): N m/rad
     damping: Floats1  # (k,): N m s/rad
-    stop: Floats1  # (k,): rad up, from which on the bump stop acts; infinite for none
+    stop: Floats1  # (k,): rad up, at which the bump stop begins to act; infinite for none
     stop_stiffness: Floats1  # (k,): N m/rad of it, beside that of the spring
 
 
@@ -34,7 +34,7 @@ class ArmWorkspace(NamedTuple):
 
     @classmethod
     def allocate(cls, arms: int, modes: int) -> "ArmWorkspace":
-        """Workspace for so many arms."""
+        """Return a workspace for `arms` arms."""
         return cls(ForceRows.allocate(arms, 1, modes))
 
 

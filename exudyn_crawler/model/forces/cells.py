@@ -1,7 +1,7 @@
-"""Ground of cells under shoes as force elements: a wrench on a rigid one, forces at nodes of a flexible one.
+"""Ground of cells under shoes as force elements: a wrench on a rigid shoe, forces at nodes of a flexible one.
 
-A flexible shoe meets the cells through bilinear hat functions on a coarse grid of its underside: its modes
-move the nodes of the grid, the hats the points in between, and the forces of these go back to the nodes. That
+Bilinear hat functions on a coarse grid of its underside couple a flexible shoe with the cells. The modes move
+the nodes of the grid, the hats move the points in between, and the points' forces go back to the nodes. This
 keeps force and moment, and the bending moments on the grid's lines.
 """
 
@@ -21,11 +21,11 @@ from exudyn_crawler.model.bodies import Bodies, attitude_of, frame_of, write_ang
 from exudyn_crawler.model.markers import write_point
 
 WRENCH = 6
-"""Motions of a rigid shoe: displacement of its COM (m) and rotation (rad), global."""
+"""Number of motions of a rigid shoe: displacement of its COM (m) and rotation (rad), global."""
 
 
 class CellTable(NamedTuple):
-    """Undersides of shoes on cells, with a grid of nodes for those that bend."""
+    """Undersides of shoes on cells, with a grid of nodes for flexible shoes."""
 
     flexible: packed.Ints1  # (shoes,): row of a shoe among the flexible ones, -1 for a rigid one
     nodes: packed.Floats3  # (along, across, 3): nodes of the grid in the shoe's frame, m
@@ -47,7 +47,7 @@ class CellWorkspace(NamedTuple):
 
     @classmethod
     def allocate(cls, table: CellTable, shoes: pressing.ShoePoints) -> "CellWorkspace":
-        """Workspace for these shoes."""
+        """Return a workspace for these shoes."""
         flexible = int((table.flexible >= 0).sum())
         modes = table.rows.shape[3]
         rigid = ForceRows.allocate(len(table.flexible) - flexible, WRENCH, modes)
@@ -76,13 +76,13 @@ _read = packed.reader(ON_CELLS)
 
 @inner(merged=True)
 def _hats(values: FloatArray) -> pressing.Hats:
-    """Mesh of a point, of its numbers (4,)."""
+    """Return the mesh of a point from its numbers (4,)."""
     return pressing.Hats(int(values[0]), int(values[1]), values[2], values[3])
 
 
 @inner
 def _moved_by_nodes(hats: pressing.Hats, bent: FloatArray) -> Vector:
-    """Value at a place of a field (along, across, 3) that is known at the nodes."""
+    """Return the value at a point of a field (along, across, 3) that is given at the nodes."""
     value = (0.0, 0.0, 0.0)
     for k in range(4):
         node = bent[hats.i + k // 2, hats.j + k % 2]
@@ -92,7 +92,7 @@ def _moved_by_nodes(hats: pressing.Hats, bent: FloatArray) -> Vector:
 
 @inner
 def write_frames(bodies: Bodies, table: CellTable, state: FloatArray, work: CellWorkspace) -> None:
-    """Write the shoes' frames, and how the modes move the grid's nodes."""
+    """Write the shoes' frames, and the displacements of the grid's nodes by the modes."""
     modes = table.rows.shape[3]
     for s in range(table.flexible.shape[0]):
         frame = frame_of(bodies, s, state, attitude_of(bodies, s))
@@ -120,7 +120,7 @@ def write_frames(bodies: Bodies, table: CellTable, state: FloatArray, work: Cell
 
 @kernel
 def place_shoes(block: IntArray, state: FloatArray) -> None:
-    """Write the frames of shoes at a state, and how these are bent; of a block of `OnCells`."""
+    """Write the frames and deformations of shoes at a state into a block of `OnCells`."""
     on = _read(block)
     write_angles(on.bodies, state[0])
     write_frames(on.bodies, on.table, state, on.work)
@@ -128,11 +128,11 @@ def place_shoes(block: IntArray, state: FloatArray) -> None:
 
 @kernel
 def bend_before(block: IntArray, frames: FloatArray, bent: FloatArray) -> None:
-    """Move where the points of flexible shoes were when the last step was accepted by how these were bent.
+    """Add the deformation at the last accepted step to the flexible shoes' points at that step.
 
-    Writes the meshes of these points, too.
-    `frames` (shoes, FRAME) and `bent`, the displacement of the grid's nodes (flexible shoes, along, across,
-    3), m, are those of then; `block` is one of `OnCells`.
+    Also write the meshes of these points. `frames` (shoes, FRAME) and `bent`, the displacement of the grid's
+    nodes (flexible shoes, along, across, 3), m, are those of the last accepted step; `block` is one of
+    `OnCells`.
     """
     table = _read(block).table
     work = _read(block).work
@@ -159,7 +159,7 @@ def bend_before(block: IntArray, frames: FloatArray, bent: FloatArray) -> None:
 
 @inner
 def _bend_points(table: CellTable, work: CellWorkspace) -> None:
-    """Write how the modes move the points of flexible shoes."""
+    """Write the motion of the points of flexible shoes by the modes."""
     shoes = work.shoes
     for s in range(table.flexible.shape[0]):
         f = table.flexible[s]
@@ -176,7 +176,7 @@ def _bend_points(table: CellTable, work: CellWorkspace) -> None:
 
 @kernel
 def bend_shoes(block: IntArray) -> None:
-    """Write how the modes move the points of flexible shoes; of a block of `OnCells`."""
+    """Write the motion of the points of flexible shoes by the modes, in a block of `OnCells`."""
     _bend_points(_read(block).table, _read(block).work)
 
 
@@ -192,7 +192,7 @@ def write_rows(
     flexible = work.flexible
     write_frames(bodies, table, state, work)
     _bend_points(table, work)
-    # derivatives of what stands negative in the residual
+    # derivatives of forces, which are negative in the residual
     by = np.array((-weights.position, -weights.velocity))
     pressing.press(work.shoes, work.frames, by)
     derive = by[0] != 0.0 or by[1] != 0.0
@@ -222,7 +222,7 @@ def _add_nodal_tangent(
     """Add the tangents of a shoe's points at the nodes of its grid.
 
     The product of two hats is one of three functions along and one of three across. Their sums over the
-    points of a mesh, whose `Hats` are given, are what all pairs of its nodes need.
+    points of a mesh, given by `Hats`, suffice for all pairs of its nodes.
     """
     nodes = table.nodes
     across = table.nodes.shape[1]
@@ -267,7 +267,7 @@ def _write_nodal(
 ) -> None:
     """Write the forces at the nodes of a flexible shoe, their tangent, and the nodes' motions.
 
-    `grid` are how its nodes are displaced, and the `Hats` of its points.
+    `grid` holds the displacements of its nodes, and the `Hats` of its points.
     """
     bent, hats = grid
     wrench = rows.wrench[f]
@@ -297,7 +297,7 @@ def _write_nodal(
 
 
 class TrackOnCells:
-    """Cells under a track from step to step: covered before one, committed after it was accepted."""
+    """Cells under a track from step to step: covered before a step, committed after its acceptance."""
 
     def __init__(self, ground: ground.CellGround, parts: OnCells) -> None:
         self.ground = ground
@@ -307,25 +307,25 @@ class TrackOnCells:
         self._count_from_here()
 
     def _count_from_here(self) -> None:
-        """Let slip count from the state of the last frames."""
+        """Start slip at the state of the last frames."""
         self._before = self._work.frames.copy(), self._work.bent[:, 0].copy()
 
     def put_down(self, state: np.ndarray) -> None:
-        """Let slip count from a state (3, coordinates)."""
+        """Start slip at a state (3, coordinates)."""
         place_shoes(self._block, state)
         self._count_from_here()
 
     def cover(self, state: np.ndarray) -> None:
-        """Freeze which cells lie under the shoes, by the state (3, coordinates) that is predicted."""
+        """Freeze the cells under the shoes at the predicted state (3, coordinates)."""
         place_shoes(self._block, state)
         self.ground.cover(self._work.frames, self._before[0])
         if len(self._work.bent):
             bend_before(self._block, *self._before)
 
     def forces(self, q: np.ndarray, q_t: np.ndarray) -> np.ndarray:
-        """Generalized forces of the covered cells on shoes and modes, at coordinates and rates: array (n,).
+        """Return generalized forces of the covered cells on shoes and modes, at coordinates and rates: (n,).
 
-        Those on modes are the ones at the nodes of the grids, through their rows.
+        Those on modes are the forces at the nodes of the grids, through their rows.
         """
         place_shoes(self._block, np.stack((q, q_t)))
         bend_shoes(self._block)
@@ -339,12 +339,12 @@ class TrackOnCells:
         return np.concatenate((wrenches.ravel(), np.einsum("sabc,abcm->sm", nodal, table.rows).ravel()))
 
     def commit(self) -> None:
-        """Let the cells remember the state whose residual was computed last."""
+        """Store the state of the last residual in the cells' memory."""
         self.ground.commit()
         self._count_from_here()
 
     def contacts(self, numbers: int) -> np.ndarray:
-        """Contacts at the last residual (shoes, numbers): `ground.pairs.RESULTS`, then forces on the grid.
+        """Return contacts at the last residual (shoes, numbers): `ground.pairs.RESULTS`, then grid forces.
 
         The forces (N, the shoe's axes) are those at the nodes of a grid of the underside, for flexible shoes.
         """

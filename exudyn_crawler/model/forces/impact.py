@@ -1,4 +1,4 @@
-"""Contacts that press by IMPACT: slopes and energy of the law, and flanges that guide sideways."""
+"""Contacts with the IMPACT law: slopes and energy of the law, and flanges that guide sideways."""
 
 from typing import NamedTuple
 
@@ -6,7 +6,7 @@ from exudyn_crawler.ground.compiled import inner, kernel
 from exudyn_crawler.ground.laws import Impact, impact_force, step
 
 FLANGE_DEPTH = 1e-3
-"""m, in a flange that has all of its damping."""
+"""Depth (m) in a flange at which all of its damping acts."""
 
 
 class Flange(NamedTuple):
@@ -19,7 +19,7 @@ class Flange(NamedTuple):
 
 @inner
 def law_slopes(law: Impact, depth: float, rate: float) -> tuple[float, float, float]:
-    """Normal force (N) of a law and its derivatives by depth and by its rate."""
+    """Return the normal force (N) of a law and its derivatives by depth and by its rate."""
     force = impact_force(law, depth, rate)
     if force <= 0.0:
         return 0.0, 0.0, 0.0
@@ -32,13 +32,13 @@ def law_slopes(law: Impact, depth: float, rate: float) -> tuple[float, float, fl
 
 @inner
 def stored_energy(law: Impact, depth: float) -> float:
-    """Energy (J) in a contact of this law, none where nothing touches."""
+    """Return the energy (J) in a contact of this law, zero without contact."""
     return law.stiffness / (law.exponent + 1.0) * depth ** (law.exponent + 1.0) if depth > 0.0 else 0.0
 
 
 @kernel
 def flange_force(flange: Flange, y: float, rate: float) -> tuple[float, float, float]:
-    """Force (N) along y on what is off the middle by y (m), and its stiffness and damping."""
+    """Return the force (N) along y at an offset y (m) from the middle, and its stiffness and damping."""
     beyond = abs(y) - flange.play
     if beyond <= 0.0:
         return 0.0, 0.0, 0.0

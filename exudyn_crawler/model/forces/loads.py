@@ -1,4 +1,4 @@
-"""Loads on bodies, forces and moments at markers, and what a case gives over time: loads and speeds."""
+"""Loads on bodies: forces and moments at markers, and time histories of loads and speeds of a case."""
 
 from collections.abc import Sequence
 from typing import NamedTuple
@@ -21,7 +21,7 @@ class Profiles(NamedTuple):
 
 
 def profiles_of(profiles: Sequence[StepProfile]) -> Profiles:
-    """Profiles as arrays."""
+    """Return profiles as arrays."""
     width = max(len(profile.times) for profile in profiles)
     times, values = np.zeros((2, len(profiles), width))
     for row, profile in enumerate(profiles):
@@ -45,7 +45,7 @@ def values_at(profiles: Profiles, time: float, out: FloatArray) -> None:
 
 
 class Loads(NamedTuple):
-    """Where loads act; k of them."""
+    """Markers of loads; k of them."""
 
     marker: Ints1  # (k,): where they act
     # (k,): marker whose position and modes are what those of the load's place change by per metre that it
@@ -54,10 +54,11 @@ class Loads(NamedTuple):
 
 
 def static_friction(case: Case, masses: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Friction that holds each shoe on a slope at rest, where the laws, which need slip, have none.
+    """Return the friction that holds each shoe on a slope at rest.
 
-    It acts at the underside, half as deep in the ground as the shoe has settled. Gives forces (N) and moments
-    about the COM (N m), arrays (shoes, 3), of shoes of these masses (kg).
+    The friction laws need slip and have none at rest. The friction acts at the underside, at half of the
+    settled depth in the ground. Forces (N) and moments about the COM (N m) are arrays (shoes, 3); `masses`
+    are those of the shoes (kg).
     """
     along_ground = case.terrain.down * np.array([1.0, 1.0, 0.0])
     loads = case.first_loads
@@ -76,7 +77,7 @@ def add_loads(
     state: FloatArray,
     residual: FloatArray,
 ) -> None:
-    """Take loads off the residual.
+    """Subtract loads from the residual.
 
     `wrenches` (k, 6) are forces (N) and moments (N m), global; those that shift act `shift` (m) to the left.
     """

@@ -1,14 +1,15 @@
-"""Contact of the lugs of shoes with the teeth of a drive tumbler, and what guides shoes sideways there.
+"""Contact of the lugs of shoes with the teeth of a drive tumbler, and the lateral guide of shoes there.
 
-A gap between two teeth is a concave arc about a centre on a circle of the tumbler, in its x-z plane, on which
-straight flanks may follow; at the addendum circle it ends in a corner. A lug is a circle about a marker of
-its shoe. It meets the arc of the gap that is nearest to it by its angle, beyond the arc's end the flank, or
-beyond that the corner: penetration is continuous and so is the force, which acts along the line from the
-arc's centre, across the flank, or from the corner to the lug's centre, so that it turns neither. The chain on
-a half-pitch sprocket uses every second gap, which the nearest one is, too. A flexible shoe takes the force
-where the marker is, at a bore.
+A gap between two teeth is a concave arc about a centre on a circle of the tumbler, in its x-z plane. Straight
+flanks may follow; at the addendum circle the gap ends in a corner. A lug is a circle about a marker of its
+shoe. It touches the arc of the gap that is nearest by its angle, beyond the arc's end the flank, and beyond
+the flank the corner. Penetration and force are continuous. The force acts along the line from the arc's
+centre, across the flank, or from the corner to the lug's centre, so that it turns neither. The chain on a
+half-pitch sprocket uses every second gap, which is also the nearest one. A flexible shoe receives the force
+at the marker, at a bore.
 
-Across the tumbler a lug has play between flanges, as far as it is between the teeth.
+Across the tumbler a lug has play between flanges. Their force grows to its full value as the lug enters the
+gap between the teeth.
 """
 
 import math
@@ -27,13 +28,13 @@ from exudyn_crawler.model.forces.impact import Flange, flange_force, law_slopes,
 from exudyn_crawler.model.markers import NOTHING, Markers, end_of, write_point
 
 SLACK = 0.02
-"""m, more than a lug ever bends away from its place."""
+"""Distance (m) that exceeds any displacement of a lug by bending."""
 ASIDE = 0.1
-"""m, by which a shoe beside the middle of its tumbler is farther from it than in its plane, at most."""
+"""Upper limit (m) on the additional distance of a shoe beside its tumbler's middle plane."""
 
 
 class Teeth(NamedTuple):
-    """Lugs of all shoes and the tumblers that they run into; l of them."""
+    """Lugs of all shoes and the tumblers that they touch; l of them."""
 
     markers: Ints1  # (l,): centre of each lug
     tumblers: Ints1  # (l,): body that it meets
@@ -44,7 +45,7 @@ class Teeth(NamedTuple):
 
 
 class TeethWorkspace(NamedTuple):
-    """Lugs as they touch at a state."""
+    """Contacts of lugs at a state."""
 
     rows: ForceRows  # those that touch: force on the shoe, N, global
     depth: Floats1  # (l,): m; no touch unless positive
@@ -55,7 +56,7 @@ class TeethWorkspace(NamedTuple):
 
     @classmethod
     def allocate(cls, lugs: int, modes: int) -> "TeethWorkspace":
-        """Workspace for so many lugs."""
+        """Return a workspace for `lugs` lugs."""
         rows = ForceRows.allocate(lugs, 3, modes)
         return cls(
             rows=rows,
@@ -69,13 +70,13 @@ class TeethWorkspace(NamedTuple):
 
 @kernel
 def tooth(profile: ToothProfile, x: float, z: float) -> tuple[float, float, float, float]:
-    """Penetration of a lug's centre at x and z in the tumbler's axes into the teeth.
+    """Return the penetration into the teeth of a lug's centre at x and z in the tumbler's axes.
 
     Returns
     -------
     tuple
-        Depth (m), x and z of the normal, from the tooth to the lug, and by how much the normal turns for each
-        m that the lug moves across it (1/m), positive where that brings it back.
+        Depth (m), x and z of the normal, from the tooth to the lug, and the rotation of the normal for each m
+        of motion of the lug across it (1/m), positive if this moves the lug back.
     """
     angle = 2.0 * math.pi / profile.gaps
     k = round(math.atan2(z, x) / angle)

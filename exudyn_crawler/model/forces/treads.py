@@ -1,15 +1,15 @@
 """Law of a strip of a wheel's tread on the rail of a shoe, as functions of numbers.
 
-The force acts at the rail's nearest point on both bodies, so that action equals reaction in moment too: what
-resists rolling is taken to be the friction of the wheel's bearing and seals. There the body that carries the
-wheel goes over the rail at the speed with which the wheel's rim turns in its bearing. The resistance is
-against that speed and fades with it, so that it never gives energy and a wheel at rest has none.
+The force acts at the rail's nearest point on both bodies, so that action equals reaction in moment too: the
+rolling resistance is assumed to be the friction of the wheel's bearing and seals. At this point the body that
+carries the wheel moves over the rail at the speed of the wheel's rim in its bearing. The resistance opposes
+that speed and fades with it. It never adds energy, and is zero for a wheel at rest.
 
-In the shoe's x-z plane the strip is a disc about the wheel's axis and the rail a segment, which ends where
-the gap to the next shoe begins; a flexible shoe's rail is bent. Depth is the disc's radius less the distance
-of its centre to the segment, ends included, so that a disc over a gap lies on the edges of both shoes. The
-force is the gradient of the depth times the normal law, and what bends the rail feels the same force: the
-elastic part has a potential. Resistance lies along the rail.
+In the shoe's x-z plane the strip is a disc about the wheel's axis and the rail a segment, which ends at the
+gap to the next shoe; a flexible shoe's rail is bent. Depth is the disc's radius less the distance of its
+centre to the segment, ends included, so that a disc over a gap lies on the edges of both shoes. The force is
+the gradient of the depth times the normal law, and the rail's bending is loaded by the same force: the
+elastic part has a potential. Resistance is along the rail.
 """
 
 import math
@@ -35,7 +35,7 @@ class Rail(NamedTuple):
 
 
 class Disc(NamedTuple):
-    """Strip of a wheel by itself."""
+    """Strip of a wheel."""
 
     radius: float  # m
     resistance: float  # over the normal force; of a wheel that turns in its bearing, or of a line that rubs
@@ -43,9 +43,9 @@ class Disc(NamedTuple):
 
 
 class Bending(NamedTuple):
-    """How a rail is bent where a tread is: rise (m), slope and rate of the rise (m/s); aside, m and m/s.
+    """Bending of a rail at a tread: rise (m), slope and rate of the rise (m/s); aside, m and m/s.
 
-    The last one is the rate along the rail, m/s.
+    The last value is the rate along the rail, m/s.
     """
 
     rise: float
@@ -91,9 +91,9 @@ class Sliding(NamedTuple):
 def tread_force(
     law: Impact, rail: Rail, disc: Disc, center: Pair, rates: Triple, bending: Bending, derive: bool
 ) -> Tread:
-    """Force of a rail on a strip whose normal law this is; with its derivatives, or with zeros for these.
+    """Return the force of a rail on a strip with this normal law; its derivatives, or zeros without `derive`.
 
-    `center` are x and z of its centre in the shoe's frame (m); `rates` are their rates (m/s) and the angular
+    `center` are x and z of its centre in the shoe's frame (m). `rates` are their rates (m/s) and the angular
     velocity about y, against the shoe, of the body that carries the wheel (rad/s).
     """
     x = min(max(center[0], rail.rear), rail.front)
@@ -141,9 +141,9 @@ def tread_force(
 
 @kernel
 def resistance(disc: Disc, speed: float) -> tuple[float, float]:
-    """Resistance of a wheel over its normal force at a speed (m/s) over the rail, and its slope (s/m).
+    """Return rolling resistance over normal force at a speed (m/s) over the rail, and its slope (s/m).
 
-    The sign of the speed, as ``v / sqrt(v**2 + v_r**2)``: at rest it has none.
+    It follows the sign of the speed as ``v / sqrt(v**2 + v_r**2)``: at rest it is zero.
     """
     whole = math.sqrt(speed * speed + disc.fading * disc.fading)
     return disc.resistance * speed / whole, disc.resistance * disc.fading * disc.fading / whole**3
@@ -153,7 +153,7 @@ def resistance(disc: Disc, speed: float) -> tuple[float, float]:
 def _by_place(
     slopes: Slopes, normal: Pair, deeper: float, turned: Pair, speeds: Triple, sliding: Sliding
 ) -> Pair:
-    """Derivative of both forces by a place that makes the depth grow by `deeper` and turns the normal."""
+    """Return derivatives of both forces by a motion that deepens by `deeper` and rotates the normal."""
     nx, nz = normal
     faster = speeds[2] * turned[1] - speeds[0] * turned[0] - speeds[1] * turned[1]
     more = slopes.by_depth * deeper + slopes.by_rate * faster
@@ -167,7 +167,7 @@ def _by_place(
 
 @inner
 def _by_rate(slopes: Slopes, normal: Pair, deeper: float, over: float) -> Pair:
-    """Derivative of both forces by a rate, by how much it adds to the depth's rate and to the speed."""
+    """Return derivatives of both forces by a rate, from its shares in the depth's rate and in the speed."""
     nx, nz = normal
     more = slopes.by_rate * deeper
     drawn = slopes.force * slopes.by_speed * over

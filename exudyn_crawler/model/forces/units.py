@@ -1,4 +1,4 @@
-"""Contact of shoes with the units of the terrain, which carry their forces into the terrain's coordinates."""
+"""Contact of shoes with the units of the terrain, whose forces act on the terrain's coordinates."""
 
 from typing import NamedTuple
 
@@ -16,7 +16,7 @@ from exudyn_crawler.model.terrain import TerrainTable
 
 
 class UnitTable(NamedTuple):
-    """Shoes, which are the first bodies, and units as the contact knows them."""
+    """Shoes, which are the first bodies, and units in the form of the contact."""
 
     geometry: ContactGeometry
     first_modal: int  # number of the first modal coordinate of all
@@ -33,7 +33,7 @@ class UnitWorkspace(NamedTuple):
 
     @classmethod
     def allocate(cls, terrain: TerrainTable, contacts: int, modes: int) -> "UnitWorkspace":
-        """Workspace of at most so many contacts."""
+        """Return a workspace for at most `contacts` contacts."""
         places = terrain.reference.copy()
         touching = UnitContacts.allocate(contacts, modes)
         return cls(

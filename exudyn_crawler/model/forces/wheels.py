@@ -1,7 +1,7 @@
-"""Contact of wheels with the rails of the shoes: rollers of a frame, of a closed track idler, carriers.
+"""Contact of wheels with the rails of the shoes: rollers of a frame, idler and carriers of a closed track.
 
-Each strip of a wheel may touch any shoe of its track, by the law of `forces.treads`. As long as a rail is
-between the flanges of a wheel, these guide its shoe sideways, with a play.
+Each strip of a wheel may touch any shoe of its track, by the law of `forces.treads`. While a rail is between
+the flanges of a wheel, these guide its shoe sideways, with a play.
 """
 
 import math
@@ -21,9 +21,9 @@ from exudyn_crawler.model.forces.impact import Flange, flange_force, stored_ener
 from exudyn_crawler.model.markers import write_point
 
 ASIDE = 0.3
-"""m, more than a shoe that touches a wheel is ever beside its track's middle."""
+"""Distance (m) that exceeds any lateral offset of a touching shoe from its track's middle."""
 ROLLED = 0.05
-"""m, more than bending and roll against a wheel move a rail."""
+"""Distance (m) that exceeds any motion of a rail by bending and by roll against a wheel."""
 
 
 class Wheels(NamedTuple):
@@ -46,7 +46,7 @@ class Wheels(NamedTuple):
 
 
 class WheelWorkspace(NamedTuple):
-    """Wheels as they touch at a state."""
+    """Contacts of wheels at a state."""
 
     rows: ForceRows  # those that touch: force on the frame, N, global
     wheel: Ints2  # (shoes, slots): wheel that is on a shoe, -1 for none
@@ -60,7 +60,7 @@ class WheelWorkspace(NamedTuple):
 
     @classmethod
     def allocate(cls, wheels: Wheels, modes: int) -> "WheelWorkspace":
-        """Workspace for these wheels."""
+        """Return a workspace for these wheels."""
         shoes = int(wheels.shoes.max(initial=0))
         slots = wheels.slots
         strips = wheels.places.shape[1]
@@ -78,7 +78,7 @@ class WheelWorkspace(NamedTuple):
 
 
 class WheelState(NamedTuple):
-    """A wheel at a state."""
+    """Wheel at a state."""
 
     number: int
     attitude: Attitude  # of the body that carries it
@@ -89,7 +89,7 @@ class WheelState(NamedTuple):
 
 
 class ShoeState(NamedTuple):
-    """A shoe near a wheel at a state."""
+    """Shoe near a wheel at a state."""
 
     number: int
     slot: int  # of the wheel on this shoe, see `WheelWorkspace`
@@ -165,7 +165,7 @@ def _wheel_at(wheels: Wheels, bodies: Bodies, state: FloatArray, w: int) -> Whee
 
 @inner(merged=True)
 def _free_slot(work: WheelWorkspace, s: int) -> int:
-    """Return the first slot of a shoe that no wheel has; -1 for none."""
+    """Return the first free slot of a shoe; -1 for none."""
     for slot in range(work.wheel.shape[1]):
         if work.wheel[s, slot] < 0:
             return slot
@@ -174,7 +174,7 @@ def _free_slot(work: WheelWorkspace, s: int) -> int:
 
 @inner(merged=True)
 def _is_far(wheel: WheelState, bodies: Bodies, state: FloatArray, s: int) -> bool:
-    """Return whether the COM of a shoe alone shows that a wheel does not reach its rail."""
+    """Return True if the shoe's COM alone shows that a wheel does not reach the rail."""
     first = bodies.coordinate[s]
     square = 0.0
     for c in range(3):
@@ -184,7 +184,7 @@ def _is_far(wheel: WheelState, bodies: Bodies, state: FloatArray, s: int) -> boo
 
 @inner(merged=True)
 def _misses(wheel: WheelState, rail: treads.Rail, shoe: Frame) -> bool:
-    """Return whether a wheel, seen along the shoe's axis y, does not reach its rail."""
+    """Return True if a wheel, seen along the shoe's axis y, does not reach its rail."""
     center = turned_back(shoe.R, along(wheel.middle, -1.0, shoe.r))
     dx = center[0] - min(max(center[0], rail.rear), rail.front)
     dz = center[2] - rail.height
@@ -222,11 +222,11 @@ def _write_strips(
 def _bending(
     wheels: Wheels, strip: int, place: float, coordinates: FloatArray, out: FloatArray
 ) -> treads.Bending:
-    """Bending of a rail at a place by modes of `coordinates`, with their rates (2, 6 + m).
+    """Return the bending of a rail at a position, by modes of `coordinates` with their rates (2, 6 + m).
 
-    Writes displacement along x, y and z of the rail by the modes, and the slope of the last: (4, m). Between
-    stations by the cubic through the two nearest on either side with the slopes that their neighbours give
-    (Catmull and Rom, 1974), which has no kinks at stations.
+    Also write the displacement along x, y and z of the rail by the modes, and the slope of the last: (4, m).
+    Between stations this is the cubic through the two nearest on either side, with slopes from their
+    neighbours (Catmull and Rom, 1974), which has no kinks at stations.
     """
     t = (place - wheels.rail.rear) / wheels.spacing
     i = min(max(int(t), 0), wheels.rows.shape[1] - 4)
@@ -279,7 +279,7 @@ def _touch(
 ) -> Strip:
     """Return strip k of a wheel against a shoe's rail, with derivatives if `derive`.
 
-    Writes the modes of the rail below the strip into `modes`.
+    Also write the modes of the rail below the strip to `modes`.
     """
     w = on_wheel.number
     frame = on_wheel.frame

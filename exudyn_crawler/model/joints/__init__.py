@@ -1,1 +1,1 @@
-"""Kinds of joints, a file each, which give their constraints as rows of one type."""
+"""Kinds of joints, one file each; their constraints are rows of one type."""

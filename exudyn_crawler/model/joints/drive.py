@@ -1,4 +1,4 @@
-"""Drives: speeds that a case gives, of a marker along x and of a body about its own axis z."""
+"""Drives: prescribed speeds of a case, of a marker along x and of a body about its own axis z."""
 
 from typing import NamedTuple
 
@@ -13,9 +13,9 @@ from exudyn_crawler.model.rows import ALONG_JACOBIAN, STIFFNESS, JointRows
 
 
 class Speeds(NamedTuple):
-    """A marker whose velocity along x is prescribed, and a body whose turning about its own axis z is.
+    """Marker with a prescribed velocity along x, and body with a prescribed rotation about its own axis z.
 
-    Each has a row; one that does not act keeps its multiplier at zero.
+    Each has a row; the multiplier of an inactive row is zero.
     """
 
     first: int  # row of the marker's speed; that of turning is next
@@ -25,9 +25,9 @@ class Speeds(NamedTuple):
 
 @inner
 def write_speed(row: int, speed: float, acts: bool, body: int, weights: Weights, rows: JointRows) -> None:
-    """Complete a row on a body's speed, of which the Jacobian is written and the coordinates are read.
+    """Complete a row on a body's speed, after its Jacobian is written and the coordinates are read.
 
-    `rows.scratch[1]` are the rates of the body's coordinates and modes, `speed` is prescribed.
+    `rows.scratch[1]` are the rates of the body's coordinates and modes, `speed` is the prescribed speed.
     """
     rate = -speed
     for c in range(rows.scratch.shape[1]):

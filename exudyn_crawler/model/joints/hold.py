@@ -1,4 +1,4 @@
-"""Holds: coordinates of bodies that stay where they are."""
+"""Holds: constant coordinates of bodies."""
 
 from typing import NamedTuple
 
@@ -12,7 +12,7 @@ from exudyn_crawler.model.rows import ALONG_JACOBIAN, STIFFNESS, JointRows
 
 
 class Held(NamedTuple):
-    """Coordinates that stay where they are, a row each; h of them."""
+    """Coordinates that are held constant, one row each; h of them."""
 
     first: int  # row of the first one
     coordinates: Ints2  # (h, 2): body, and which of its six coordinates

@@ -1,4 +1,4 @@
-"""Motors, which turn tumblers against their frame, and keep sliding idlers from spinning."""
+"""Motors that turn tumblers against their frame, and keep sliding idlers from spinning."""
 
 import math
 from typing import NamedTuple
@@ -16,10 +16,10 @@ from exudyn_crawler.model.rows import ALONG_JACOBIAN, STIFFNESS, JointRows
 
 
 class Motors(NamedTuple):
-    """Motors, a row each; k of them.
+    """Motors, one row each; k of them.
 
-    The multiplier of a motor is the torque on its tumbler about that one's axis, with the other sign. It
-    follows from the speed that is kept; where the torque is limited, from the lag behind that speed.
+    The multiplier of a motor is the negative torque on its tumbler about the tumbler's axis. It follows from
+    the prescribed speed, or, if the torque is limited, from the lag behind that speed.
     """
 
     first: int  # row of the first one
@@ -30,7 +30,7 @@ class Motors(NamedTuple):
 
 @inner
 def torque(limit: float, width: float, lag: float) -> tuple[float, float]:
-    """Torque (N m) of a motor behind its speed by `lag` (rad/s), and its slope; for both see `Motors`."""
+    """Return the torque (N m) of a motor at a `lag` (rad/s) behind its speed, and its slope; see `Motors`."""
     root = math.sqrt(lag * lag + width * width)
     return limit * lag / root, limit * width * width / root**3
 
@@ -46,7 +46,7 @@ def write_rows(
     weights: Weights,
     rows: JointRows,
 ) -> None:
-    """Write the rows of all motors; the Jacobian has the parts of the angles' axes along the tumbler's."""
+    """Write the rows of all motors; the Jacobian has the angles' axes projected on the tumbler's."""
     for k in range(motors.bodies.shape[0]):
         row = motors.first + k
         axis = attitude_of(bodies, motors.bodies[k, 1]).axes[1]

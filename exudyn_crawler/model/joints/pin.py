@@ -1,4 +1,4 @@
-"""Pins: the place of two markers is one, and the axis y of the one stays across two axes of the other."""
+"""Pins: two markers coincide, and the axis y of one stays perpendicular to two axes of the other."""
 
 import math
 from typing import NamedTuple
@@ -14,16 +14,16 @@ from exudyn_crawler.model.markers import NOTHING, Markers, axis_of, direction, e
 from exudyn_crawler.model.rows import ALONG_JACOBIAN, STIFFNESS, JointRows
 
 ROWS = 5
-"""Equations of a pin: its place, and its axis y across the axes x and z of the shoe in front."""
+"""Number of equations of a pin: its position, and its axis y across the axes x and z of the shoe in front."""
 
 
 class Pins(NamedTuple):
-    """Pins of links, and bearings of what turns in a frame; p of them, each with `ROWS` rows.
+    """Pins of links, and bearings of bodies that rotate in a frame; p of them, each with `ROWS` rows.
 
-    In a loop the equations of pins across the chain are redundant: their sums round the loop are zero
-    whatever the shoes do. A little compliance of these alone shares the loads among all pins as evenly as can
-    be, and leaves the motion in the chain's plane as it is. So such pins have their equations along the axes
-    of that plane, as the rear body's yaw and roll have turned them.
+    In a loop the equations of pins across the chain are redundant: their sums round the loop are zero for any
+    motion of the shoes. A small compliance of these alone shares the loads among all pins as evenly as
+    possible, and does not affect the motion in the chain's plane. Such pins therefore have their equations
+    along the axes of that plane, turned by the rear body's yaw and roll.
     """
 
     first: int  # row of the first one
@@ -36,7 +36,7 @@ class Pins(NamedTuple):
 
 @inner(merged=True)
 def _plane_axis(attitude: Attitude, k: int) -> Vector:
-    """Axis k of a chain's plane, global: along the ground, across the chain, and normal to both."""
+    """Return axis k of a chain's plane, global: along the ground, across the chain, and normal to both."""
     if k == 2:
         return cross(attitude.axes[0], attitude.axes[1])
     return attitude.axes[k]
@@ -50,7 +50,7 @@ def _write_rigid(
     gap: FloatArray,
     jacobian: FloatArray,
 ) -> None:
-    """Write a pin in a chain's plane between rigid bodies; most pins of a closed track are of that kind."""
+    """Write a pin in a chain's plane between rigid bodies, the most frequent pin of a closed track."""
     rear, front = attitudes
     axes = rear.axes[0], rear.axes[1], _plane_axis(rear, 2)
     across = turned(rear.R, basis(1))
@@ -85,7 +85,7 @@ def write_rows(
     weights: Weights,
     rows: JointRows,
 ) -> None:
-    """Write the rows of all pins, and how the moments of their forces turn where the weights ask for it."""
+    """Write the rows of all pins, and the rotation of their forces' moments if the weights ask for it."""
     behind_row = rows.scratch[0]
     ahead_row = rows.scratch[1]
     for p in range(pins.markers.shape[0]):
@@ -145,10 +145,9 @@ def _write_turning(
     multipliers: FloatArray,
     rows: JointRows,
 ) -> None:
-    """Write how the moments of the pins' forces change as their bodies turn.
+    """Write the change of the moments of the pins' forces with the rotation of their bodies.
 
-    In a tight chain that moves slowly this is what holds the shoes in line, and no equation solver may leave
-    it out.
+    In a tight, slow chain this stiffness holds the shoes in line, and no equation solver may leave it out.
     """
     row = rows.scratch[0]
     for p in range(rows.turned.shape[0]):
@@ -177,8 +176,8 @@ def turn_moments(
 ) -> None:
     """Keep the moments of pins that follow, whose multipliers are along axes that pitch with the front body.
 
-    `change` (coordinates + multipliers,) has been taken off both. Newton's method then knows how these
-    moments turn, on the rear body too, although no entry of its matrix couples the two bodies.
+    `change` (coordinates + multipliers,) has been subtracted from both. Newton's method then has the rotation
+    of these moments, on the rear body too, although no entry of its matrix couples the two bodies.
     """
     for p in range(pins.markers.shape[0] if pins.follows else 0):
         pitch = -change[bodies.coordinate[markers.body[pins.markers[p, 1]]] + 4]

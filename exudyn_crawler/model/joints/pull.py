@@ -1,8 +1,8 @@
 """Pull of a side frame's drive on its chain, which keeps the frame's speed.
 
-It acts forward on the frame and backward on the chain, at the pins of the two links next to the tumbler, in
-shares that change evenly as the tumbler goes from one to the next. How large it is follows from the speed of
-the frame alone, so that the direction of the force is not the gradient of what it keeps (a servo constraint).
+It acts forward on the frame and backward on the chain, at the pins of the two links next to the tumbler.
+Their shares change linearly as the tumbler moves from one to the next. The pull follows from the speed of the
+frame alone, so that the direction of the force is not the gradient of the constraint (a servo constraint).
 """
 
 import math
@@ -21,7 +21,7 @@ FORWARD = (1.0, 0.0, 0.0)
 
 
 class Pull(NamedTuple):
-    """Where a frame pulls its chain; no markers where nothing pulls."""
+    """Points of a chain at which a frame pulls; no markers without a pull."""
 
     row: int  # of the frame's speed, whose multiplier is the pull
     frame: int  # body that pulls

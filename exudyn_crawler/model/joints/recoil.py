@@ -1,4 +1,4 @@
-"""Recoil springs: a bearing's row along the frame holds an idler up to a preload, and gives way beyond."""
+"""Recoil springs: a bearing's row along the frame holds an idler up to a preload, and yields beyond it."""
 
 from typing import NamedTuple
 
@@ -14,11 +14,11 @@ from exudyn_crawler.model.rows import JointRows
 class Recoils(NamedTuple):
     """Recoil springs, each on the row of a bearing along the frame; k of them.
 
-    A row of a bearing with compliance is that of a spring without stops: its gap counts from where the spring
-    is free. How far the idler gives way follows from ``s + c d ds/dt = c (F - F0)`` with the push F on it,
-    the compliance c and the damping d. At stops the right side is nothing, or the stroke: it is continuous in
-    place, speed and force, and the damper brings the idler to rest there. A stop that does so by itself may
-    have no state at the end of a step in which the spring and the stop both agree with their force.
+    A row of a bearing with compliance is that of a spring without stops: its gap counts from the free length
+    of the spring. The travel s of the idler follows from ``s + c d ds/dt = c (F - F0)`` with the push F, the
+    compliance c and the damping d. At stops the right side is zero or the stroke: it is continuous in
+    position, speed and force, and the damper brings the idler to rest there. If the stop alone did this,
+    there might be no state at the end of a step in which the spring and the stop both agree with their force.
     """
 
     rows: Ints1  # (k,): written by the pins
@@ -38,7 +38,7 @@ def write_rows(
     weights: Weights,
     rows: JointRows,
 ) -> None:
-    """Turn the rows of springs that are at a stop, which are written, into those of stops."""
+    """Turn the written rows of springs at a stop into those of stops."""
     for k in range(recoils.rows.shape[0]):
         row = recoils.rows[k]
         # the multiplier is the push with the other sign

@@ -1,4 +1,4 @@
-"""Parts that a machine is made of, a file each, which the gear of a case names.
+"""Parts of a machine, one file each, named by the gear of a case.
 
 A part adds its bodies, markers, joints and couplings to an `Assembler`.
 """

@@ -10,7 +10,7 @@ from exudyn_crawler.model.parts.frame import add_pivoted
 
 
 def add(assembler: Assembler) -> None:
-    """Add the arms of each track, which carry their rollers in place of the frame."""
+    """Add the arms of each track, which carry their rollers instead of the frame."""
     case = assembler.case
     gear = case.part(RunningGear)
     if not gear.arms:

@@ -19,7 +19,7 @@ from exudyn_crawler.model.state import BEARING
 
 
 def add(assembler: Assembler) -> None:
-    """Add the frame with its holds, load and wheels, which the drive moves in place of a shoe."""
+    """Add the frame with its holds, load and wheels; the drive moves it instead of a shoe."""
     case = assembler.case
     parts = case.frame_parts
     frame = assembler.add_body(
@@ -46,7 +46,7 @@ def add(assembler: Assembler) -> None:
 
 
 def _wheels(assembler: Assembler, frame: int) -> Wheels:
-    """Wheels of the frame on the rails of the shoes; other parts may carry some of them."""
+    """Return the wheels of the frame on the rails of the shoes; other parts may carry some of them."""
     case = assembler.case
     gear = case.part(RunningGear)
     rails = case.shoe.rails
@@ -85,10 +85,10 @@ def add_pivoted(
     reference: np.ndarray,
     parts: Sequence[tuple[Bogie | Arm, tuple[int, ...]]],
 ) -> list[int]:
-    """Add bodies on pivots of the frame, which carry rollers of it: their numbers, track by track.
+    """Add bodies on pivots of the frame that carry some of its rollers; return their numbers, track by track.
 
     `parts` are those of one track with the numbers of their rollers, from 1; `reference` (tracks * parts, 6)
-    are their places at t = 0.
+    are their poses at t = 0.
     """
     case = assembler.case
     gear = case.part(RunningGear)
@@ -110,7 +110,7 @@ def add_pivoted(
 
 
 def carry(assembler: Assembler, wheel: int, body: int, place: tuple[float, float]) -> None:
-    """Let a body carry a wheel of the frame; `place` are x and z of the wheel's axis in that body, m."""
+    """Make a body carry a wheel of the frame; `place` is x and z of the wheel's axis in that body, m."""
     case = assembler.case
     assert case.shoe.rails is not None
     x, z = place

@@ -1,4 +1,4 @@
-"""Idlers on springs: bodies that slide in the frame and carry its wheel in front."""
+"""Idlers on springs: bodies that slide in the frame and carry its front wheel."""
 
 import numpy as np
 
@@ -10,11 +10,11 @@ from exudyn_crawler.model.parts.frame import carry
 from exudyn_crawler.model.state import BEARING, MOTOR
 
 ALONG = np.eye(ROWS)[0]
-"""Equation of a bearing that the spring takes the place of."""
+"""Equation of a bearing that the spring replaces, as a mask."""
 
 
 def add(assembler: Assembler) -> None:
-    """Add the idler of each track that slides on a spring; others are wheels of the frame."""
+    """Add the idler of each track if it slides on a spring; other idlers are wheels of the frame."""
     case = assembler.case
     gear = case.gear
     assert isinstance(gear, Closed)

@@ -1,4 +1,4 @@
-"""Shoes with the pins of their chain: rigid ones, and flexible ones in floating frames."""
+"""Shoes with the pins of their chain: rigid shoes, and flexible shoes in floating frames."""
 
 import numpy as np
 
@@ -14,7 +14,7 @@ from exudyn_crawler.model.state import pin_name
 from fem.body.rectangle_motion import hat_grid
 
 ACROSS_CHAIN = np.array([0.0, 1.0, 0.0, 1.0, 1.0])
-"""Equations of a pin that are redundant in a closed chain."""
+"""Mask of the equations of a pin that are redundant in a closed chain."""
 
 
 def add(assembler: Assembler) -> None:
@@ -41,7 +41,7 @@ def add(assembler: Assembler) -> None:
 
 
 def _modes(case: Case, floating: FloatingShoe) -> Modes:
-    """Modes of flexible shoes, with their integrals by the mass matrix of the finite elements."""
+    """Return the modes of flexible shoes, with their integrals by the mass matrix of the finite elements."""
     body, _ = shoe_model(case.part(FlexibleShoes), case.track)
     # the mass of a node is the same along x, y and z
     mass = body.mass_matrix[0::3, 0::3]
@@ -62,7 +62,7 @@ def _modes(case: Case, floating: FloatingShoe) -> Modes:
 
 
 def _bodies(assembler: Assembler) -> list[Body]:
-    """Bodies of the shoes; flexible ones have the mass of their finite elements."""
+    """Return the bodies of the shoes; flexible ones have the mass of their finite elements."""
     case = assembler.case
     shoe = case.shoe
     reference = case.shoe_reference
@@ -84,7 +84,7 @@ def _bodies(assembler: Assembler) -> list[Body]:
 
 
 def joint_marker(assembler: Assembler, shoe: int, name: str, place: np.ndarray | None = None) -> int:
-    """Add a marker at a joint centre of a shoe, or at a place (3,), m, that goes with its bore."""
+    """Add a marker at a joint centre of a shoe, or at a location (3,), m, that moves with its bore."""
     case = assembler.case
     center = _joint_center(case, name) if place is None else place
     if assembler.floating is None or not assembler.flexible[shoe]:
@@ -99,7 +99,7 @@ def joint_marker(assembler: Assembler, shoe: int, name: str, place: np.ndarray |
 
 
 def _joint_center(case: Case, name: str) -> np.ndarray:
-    """Joint centre of a shoe, or the middle of two; the pins of a worn chain are farther apart."""
+    """Return the joint centre of a shoe, or the middle of two; the pins of a worn chain are farther apart."""
     end, side = name.split()
     centers = [case.track.joint_centers[f"{end} {pin}"] for pin in SIDES]
     center = np.mean(centers, axis=0) if side == MIDWAY else centers[SIDES.index(side)]
@@ -115,7 +115,7 @@ def middle_marker(assembler: Assembler, shoe: int, end: str) -> int:
 
 
 def _add_pins(assembler: Assembler) -> None:
-    """Add the pins of all links: one of rigid shoes, two where one bends."""
+    """Add the pins of all links: one between rigid shoes, two if a shoe is flexible."""
     case = assembler.case
     compliance = case.gear.pin_compliance * ACROSS_CHAIN
     for rear, front in (case.links - 1).tolist():
@@ -140,7 +140,7 @@ def _add_load(assembler: Assembler, shoe: int) -> None:
 
 
 def _undersides(assembler: Assembler) -> CellTable:
-    """Undersides on cells, with a grid of nodes under the flexible shoes."""
+    """Return the undersides on cells, with a grid of nodes under the flexible shoes."""
     flexible = assembler.flexible
     row = np.where(flexible, np.cumsum(flexible) - 1, -1)
     if assembler.floating is None:

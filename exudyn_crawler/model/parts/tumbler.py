@@ -13,11 +13,11 @@ from exudyn_crawler.model.parts.shoes import joint_marker
 from exudyn_crawler.model.state import BEARING, MOTOR
 
 AT_PLANE = 0.5
-"""Share of a tumbler's guide at each of its two gear planes."""
+"""Share of a tumbler's lateral guide at each of its two gear planes."""
 
 
 def add(assembler: Assembler) -> None:
-    """Add a tumbler of each track with bearing and motor, and the teeth that lugs of the shoes meet."""
+    """Add a tumbler of each track with bearing and motor, and the teeth that touch lugs of the shoes."""
     case = assembler.case
     gear = case.gear
     assert isinstance(gear, Closed)
@@ -37,7 +37,7 @@ def add(assembler: Assembler) -> None:
 
 
 def _teeth(assembler: Assembler, gear: Closed, tumblers: list[int]) -> Teeth:
-    """Lugs of the shoes, and the tumblers that they meet."""
+    """Return the lugs of the shoes, and their tumblers."""
     chain = assembler.case.track
     lugs = gear.lugs(chain)
     markers = [joint_marker(assembler, shoe, *lug) for shoe in range(assembler.shoes) for lug in lugs]
