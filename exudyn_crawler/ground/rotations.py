@@ -1,9 +1,9 @@
 """Conversion of coordinates of bodies to frames, and of wrenches to generalized forces.
 
-The coordinates of a body are its position and the angles roll about x, pitch about y and yaw about z: ``R =
-Rz(yaw) Rx(roll) Ry(pitch)`` turns body components into global ones. Yaw and pitch are unlimited. The middle
-angle, roll, is singular at 90 degrees; no shoe, sprocket or frame comes near it. This module alone knows the
-sequence.
+The coordinates of a body are its position and the angles roll about x, pitch about y and yaw about z:
+``R = Rz(yaw) Rx(roll) Ry(pitch)`` turns body components into global ones. Yaw and pitch are unlimited. The
+middle angle, roll, is singular at 90 degrees; no shoe, sprocket or frame comes near it. This module alone
+knows the sequence.
 """
 
 import math

@@ -24,9 +24,9 @@ class Fronts(NamedTuple):
 
     unknowns: Ints1  # (entries,): unknowns of every front, its own group's first
     first: Ints1  # (fronts + 1,): where a front's unknowns start
-    pivots: Ints1  # (fronts,): how many of them it eliminates
+    pivots: Ints1  # (fronts,): number of unknowns that it eliminates
     place: Ints1  # (fronts + 1,): where a front's square matrix starts among all values, row by row
-    parent: Ints1  # (fronts,): front that takes what is left, -1 where nothing is
+    parent: Ints1  # (fronts,): front that takes the remaining part, -1 for none
     into: Ints1  # (entries,): row in the parent's matrix of every unknown that is left
 
     @property

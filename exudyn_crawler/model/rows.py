@@ -41,8 +41,8 @@ class JointRows(NamedTuple):
     directed: Ints1  # (r,): row of the next two, or `ALONG_JACOBIAN`
     acted_on: Ints2  # (d, ACTED_ON): bodies on which a multiplier acts that is not along its Jacobian
     directions: Floats3  # (d, ACTED_ON, 6 + m): generalized forces of a multiplier of 1
-    # (t, 2) and (t, 2, 3, 3): bodies of pins, and how the moments of the pins' forces change as these turn,
-    # by their angles
+    # (t, 2) and (t, 2, 3, 3): bodies of pins, and derivatives of the moments of the pins' forces by the
+    # bodies' angles
     turned: Ints2
     turning: Floats4
     scratch: Floats2  # (2, 6 + m)

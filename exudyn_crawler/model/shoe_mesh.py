@@ -145,7 +145,7 @@ def cubic_weights(t: np.ndarray) -> np.ndarray:
 class DrivePoint:
     """Point of a shoe at which the drive acts, with m modes; none for a rigid shoe."""
 
-    place: np.ndarray  # (3,): where it is in the undeformed shoe, m, the shoe's frame
+    place: np.ndarray  # (3,): position in the undeformed shoe, m, the shoe's frame
     rows: np.ndarray  # (3, m): its displacement by each mode; transposed, they make modal loads of a force
 
     def arm(self, angles: np.ndarray, modal: np.ndarray) -> np.ndarray:

@@ -42,10 +42,10 @@ class StateLayout:
 
     shoes: int
     terrain: int  # number of the terrain's coordinates
-    terrain_bodies: bool = False  # whether these are six a unit
+    terrain_bodies: bool = False  # True if these are six for each unit
     flexible_shoes: tuple[int, ...] = ()  # their numbers
     modes: int = 0  # of each flexible shoe
-    multipliers: tuple[tuple[str, int], ...] = ()  # items with Lagrange multipliers and how many each has
+    multipliers: tuple[tuple[str, int], ...] = ()  # items and their numbers of Lagrange multipliers
     # number of values of a shoe's contact that do not follow from the rest: with the engine's contact its
     # force and moment
     contact: int = 0

@@ -88,7 +88,7 @@ class LawKernel(NamedTuple):
     prepare: Callable  # compiled: (constants, deepest, pressure) -> (float, float)
     respond: Callable  # compiled: (constants, Probe, tangents, nearby) -> Response
     fresh: float  # mobilized share of fresh ground
-    forgets: bool  # whether a cell that is left is fresh again, its sinkage too
+    forgets: bool  # True if a cell without contact becomes fresh, its sinkage too
 
 
 class CellLaw(terrain.SoilLaw):

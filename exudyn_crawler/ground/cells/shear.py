@@ -66,9 +66,9 @@ def sheared(law: Strength, probe: Probe, pressure: float, tangents: bool, nearby
 
     The stress is elastic with the stiffness ``T / K`` of the greatest pressure so far. If it exceeds the
     mobilized share r of the strength T, r grows to ``1 - (1 - r) exp(-e / K)`` with the plastic slip e, and
-    the stress returns to ``T r``. From fresh ground (r = 0) this is the curve of Janosi and Hanamoto, ``T (1
-    - exp(-j / K))``, for steps of any size. From r = 1 it is Coulomb friction with sticking. The stiffness
-    never falls while a cell is in contact, so that no cycle of pressure and slip makes energy.
+    the stress returns to ``T r``. From fresh ground (r = 0) this is the curve of Janosi and Hanamoto,
+    ``T (1 - exp(-j / K))``, for steps of any size. From r = 1 it is Coulomb friction with sticking. The
+    stiffness never falls while a cell is in contact, so that no cycle of pressure and slip makes energy.
     """
     T, T_p = shear_strength(law, pressure)
     memory = probe.memory

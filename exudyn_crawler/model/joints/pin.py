@@ -30,8 +30,8 @@ class Pins(NamedTuple):
     markers: Ints2  # (p, 2): of the rear and of the front body
     compliance: Floats2  # (p, ROWS): m/N and rad/(N m)
     relaxation: Floats2  # (p, ROWS): s, damping times compliance
-    in_plane: bool  # whether the equations of places are along the axes of the chain's plane, or global ones
-    follows: bool  # whether moments turn with the front body from one iteration to the next
+    in_plane: bool  # True: equations of positions along the axes of the chain's plane; False: global
+    follows: bool  # True if moments turn with the front body from one iteration to the next
 
 
 @inner(merged=True)
