@@ -1,8 +1,8 @@
-"""Geometry of a closed chain: the belt about its wheels, and pins on it that are a pitch apart.
+"""Geometry of a closed chain: the belt about its wheels, and pins on it at a distance of a pitch.
 
-Everything lies in the plane of the chain, x along the travel and z up, in m. The chain runs forward below, up
-round the front wheel, back above and down round the rear one, so that the loop's inside is on its left. The
-pins lie on the belt: common tangents of circles through the pins, and arcs on these.
+All places are in the plane of the chain, x along the travel and z up, in m. The chain runs forward below, up
+round the front wheel, back above, and down round the rear one. The inside of the loop is on its left. The
+pins are on the belt, which consists of arcs on the pins' circles and of common tangents of these circles.
 """
 
 import math
@@ -11,29 +11,29 @@ from typing import NamedTuple
 
 from scipy.optimize import brentq
 
-CLOSED = 1e-9  # m, by which the ends of an assembled chain may be apart; what is reached is rounding
-FIRST_PIN = 0.5  # its place on the belt, see `point_at`
-TINY = 1e-12  # m or rad, least length of a piece that is divided by
-ROUNDING = 1e-9  # share of a piece
-MARCH = 0.25  # of a pitch, steps along the belt in which the next pin is sought
+CLOSED = 1e-9  # m, greatest distance of an assembled chain's ends; rounding alone is left
+FIRST_PIN = 0.5  # place of the first pin on the belt, see `point_at`
+TINY = 1e-12  # m or rad, least length of a piece as a divisor
+ROUNDING = 1e-9  # tolerance of a place on the belt, fraction of a piece
+MARCH = 0.25  # step along the belt in the search for the next pin, fraction of a pitch
 
 Point = tuple[float, float]
 Circle = tuple[float, float, float]  # x and z of its centre, and its radius
 
 
 class MisfitError(ValueError):
-    """The chain does not close round its wheels."""
+    """Error for a chain that does not close round its wheels."""
 
 
 class WithinError(MisfitError):
-    """A wheel lies within the chain about the others.
+    """Error for a wheel within the chain about the others.
 
     Attributes
     ----------
     number : int
-        Its number among the circles of the belt, from 0.
+        Number of the wheel among the circles of the belt, from 0.
     depth, height : float
-        How far it is from touching the chain, m, and the height of its axis at which it touches it.
+        Distance of the wheel from the chain, m, and the height of its axis (z, m) at which they touch.
     """
 
     def __init__(self, number: int, depth: float, height: float) -> None:
@@ -44,17 +44,17 @@ class WithinError(MisfitError):
 
 
 class Piece(NamedTuple):
-    """Piece of a belt: an arc about a place, or a line that may sag as a parabola."""
+    """Piece of a belt: an arc about a point, or a line that may sag as a parabola."""
 
-    x: float  # centre of the arc, or begin of the line
+    x: float  # m, centre of the arc, or start of the line
     z: float
-    radius: float  # zero for a line
-    begin: float  # angle at which an arc begins, rad; for a line x of its end
-    end: float  # the same at its end; z
-    sag: float = 0.0  # of a line in its middle
+    radius: float  # m, zero for a line
+    begin: float  # rad, start angle of an arc; x of a line's end, m
+    end: float  # rad, end angle of an arc; z of a line's end, m
+    sag: float = 0.0  # m, depth of a line's middle
 
     def at(self, t: float) -> Point:
-        """Point at a share t of it, from 0 to 1."""
+        """Return the point at a fraction t of the piece, from 0 to 1."""
         if self.radius > 0.0:
             angle = self.begin + t * (self.end - self.begin)
             return self.x + self.radius * math.cos(angle), self.z + self.radius * math.sin(angle)
@@ -62,7 +62,7 @@ class Piece(NamedTuple):
         return self.x + t * (self.begin - self.x), z
 
     def share_ahead(self, t: float, chord: float) -> float:
-        """Share at a chord (m) ahead of a share t, above 1 where that is beyond; NaN of a sagging line."""
+        """Return the fraction at a chord (m) ahead of a fraction t, above 1 if beyond; NaN with a sag."""
         if self.sag != 0.0:
             return math.nan
         if self.radius == 0.0:
@@ -73,7 +73,7 @@ class Piece(NamedTuple):
 
     @property
     def length(self) -> float:
-        """Length, of a sagging line to the second order."""
+        """Length, m; of a sagging line to the second order in the sag."""
         if self.radius > 0.0:
             return self.radius * (self.end - self.begin)
         span = math.hypot(self.begin - self.x, self.end - self.z)
@@ -81,9 +81,9 @@ class Piece(NamedTuple):
 
 
 def tangent_angle(first: Circle, second: Circle) -> float:
-    """Direction (rad) of the normal, away from the loop, of the line that touches both circles on its way.
+    """Return the direction (rad) of the outward normal of the tangent from the first circle to the second.
 
-    Raises `MisfitError` if they lie in each other.
+    Raises `MisfitError` if one circle is inside the other.
     """
     x0, z0, r0 = first
     x1, z1, r1 = second
@@ -94,7 +94,7 @@ def tangent_angle(first: Circle, second: Circle) -> float:
 
 
 def _within(circles: Sequence[Circle], number: int) -> WithinError:
-    """Say how far a circle is from touching the belt about its two neighbours."""
+    """Return the error for a circle within the belt about its two neighbours."""
     before, this, after = (circles[(number + k) % len(circles)] for k in (-1, 0, 1))
     angle = tangent_angle(before, after)
     apart = (before[0] - this[0]) * math.cos(angle) + (before[1] - this[1]) * math.sin(angle)
@@ -103,10 +103,10 @@ def _within(circles: Sequence[Circle], number: int) -> WithinError:
 
 
 def belt(circles: Sequence[Circle], sag: float = 0.0) -> list[Piece]:
-    """Belt about circles (x, z, radius) in their order round the loop: an arc, a line, the next arc, ...
+    """Return the belt about circles (x, z, radius) in their order round the loop: arc, line, next arc, ...
 
-    The last line, which ends at the first circle, sags. Raises `WithinError` if a circle lies within the belt
-    about the others, `MisfitError` if two lie in each other.
+    The last line, which ends at the first circle, has the sag. Raises `WithinError` for a circle within the
+    belt about the others, and `MisfitError` for a circle inside its neighbour.
     """
     following = [*circles[1:], circles[0]]
     pieces = list[Piece]()
@@ -127,13 +127,16 @@ def belt(circles: Sequence[Circle], sag: float = 0.0) -> list[Piece]:
 
 
 def point_at(pieces: Sequence[Piece], u: float) -> Point:
-    """Point of a belt: the whole part of u, which may go round it again, is the piece, the rest the share."""
+    """Return the point of a belt at the place u: its whole part is the piece, the rest the fraction of it.
+
+    A place beyond the last piece goes round the belt again.
+    """
     k = math.floor(u)
     return pieces[k % len(pieces)].at(u - k)
 
 
 def pins_along(pieces: Sequence[Piece], pitch: float, count: int) -> list[float]:
-    """Places (see `point_at`) of count + 1 pins, each a pitch from the one before."""
+    """Return the places (see `point_at`) of count + 1 pins, each a pitch from the one before."""
     pins = [FIRST_PIN]
     steps = [MARCH * pitch / max(piece.length, TINY) for piece in pieces]
     for _ in range(count):
@@ -148,7 +151,7 @@ def pins_along(pieces: Sequence[Piece], pitch: float, count: int) -> list[float]
             there = point_at(pieces, u)
             return math.hypot(there[0] - x, there[1] - z) - pitch
 
-        # a piece is left only where rounding leaves no doubt
+        # the tolerance keeps a pin at the end of the piece if rounding decides
         low = pins[-1] if math.isnan(share) else max(pins[-1], number + 1.0 - ROUNDING)
         while True:
             k = math.floor(low + 1e-13)
@@ -161,7 +164,7 @@ def pins_along(pieces: Sequence[Piece], pitch: float, count: int) -> list[float]
 
 
 def surplus(pieces: Sequence[Piece], pitch: float, count: int) -> float:
-    """Length along the belt, m, by which a chain of so many links overlaps its begin, or lacks it."""
+    """Return the surplus length along the belt, m, of a chain with `count` links; negative if too short."""
     last = pins_along(pieces, pitch, count)[-1]
     end = FIRST_PIN + len(pieces)
     low = min(last, end)
@@ -179,10 +182,10 @@ def surplus(pieces: Sequence[Piece], pitch: float, count: int) -> float:
 def closed_chain(
     shape: Callable[[float], list[Piece]], pitch: float, count: int, bounds: tuple[float, float], what: str
 ) -> float:
-    """Value (m) that makes a belt, its `shape`, so long that a chain of so many links closes on it.
+    """Return the value (m) of a belt's `shape` at which a chain of `count` links closes on the belt.
 
-    `what` names the value, for errors. A MisfitError with the length that is missing or left over, and the
-    number of shoes that fits, beyond the value's bounds.
+    `what` names the value in errors. Raises `MisfitError` if the value is beyond its bounds; the error gives
+    the missing or surplus length and the number of shoes that fits.
     """
 
     def left_over(value: float, links: int = count) -> float:

@@ -1,4 +1,4 @@
-"""Types of numbers of a track's parameters, with bounds beyond which no machine could be meant."""
+"""Number types of a track's parameters, with bounds that every machine is within."""
 
 from collections.abc import Mapping
 from typing import Annotated, Any, ClassVar, Self
@@ -9,9 +9,9 @@ from annotated_types import Ge, Gt, Le, Lt
 
 from exudyn_crawler.settings.parameters import Parameters
 
-FAR = 1e6  # m, beyond which places are no longer exact to a tenth of a micrometre
+FAR = 1e6  # m, greatest coordinate that is exact to a tenth of a micrometre
 
-# bounds beyond which no machine could be meant, or numbers fail
+# the bounds exclude values that no machine has or that make the numerics fail
 Place = Annotated[float, Ge(-FAR), Le(FAR)]
 Component = Annotated[float, Ge(-1e12), Le(1e12)]  # of a force, a moment or an inertia
 Length = Annotated[float, Ge(1e-3), Le(100.0)]
@@ -27,7 +27,7 @@ Slope = Annotated[float, Gt(-1.0), Lt(1.0)]
 Mass = Annotated[float, Ge(1.0), Le(1e9)]  # of a machine's parts
 Load = Annotated[float, Ge(-1e10), Le(1e10)]  # on a shoe, N
 Roller = Annotated[float, Ge(-1e3), Le(1e3)]  # place of a roller along the frame, m
-Survival = Annotated[float, Gt(0.0), Lt(1.0)]  # part of shoes that survives
+Survival = Annotated[float, Gt(0.0), Lt(1.0)]  # fraction of shoes that survives
 Two = tuple[Place, Place]
 Three = tuple[Place, Place, Place]
 Vector = tuple[Component, Component, Component]
@@ -47,7 +47,7 @@ Inertia = Annotated[Six, pydantic.AfterValidator(_of_a_body)]
 
 
 def inertia_tensor(inertia: Six) -> np.ndarray:
-    """Tensor of its components: array (3, 3)."""
+    """Return the inertia tensor from its components: array (3, 3), kg m2."""
     xx, yy, zz, yz, xz, xy = inertia
     return np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
 
@@ -63,5 +63,5 @@ class PH4100C(Parameters):
 
     @classmethod
     def ph4100c(cls) -> Self:
-        """Those of the P&H 4100C BOSS; `case.ph4100c` has their sources and marks what is assumed."""
+        """Return the values of the P&H 4100C BOSS; `case.ph4100c` gives sources and marks assumed values."""
         return cls(**cls._of_ph4100c)

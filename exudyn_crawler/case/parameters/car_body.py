@@ -22,9 +22,9 @@ class Part(NamedTuple):
 class CarBody(base.PH4100C, values=ph4100c.CAR_BODY):
     """Machine on two closed tracks: its car body, which both side frames are fixed to, and upper structure.
 
-    All of it is one rigid body: the upper structure stands still at its slew angle. Places are in the
-    machine's axes: x along the travel, y to the left, z up, from the middle between the tracks at the height
-    of the lower rollers' axes. Track 1 is the right one, whose middle is at `track.first_com`.
+    The machine is one rigid body: the upper structure is fixed at its slew angle. Places are in the machine's
+    axes: x along the travel, y to the left, z up. Their origin is in the middle between the tracks at the
+    height of the lower rollers' axes. Track 1 is the right one; `track.first_com` gives its middle.
     """
 
     track_distance: base.Length = quantity("m", "of the tracks' middles", (1.0, 20.0))
@@ -39,11 +39,11 @@ class CarBody(base.PH4100C, values=ph4100c.CAR_BODY):
 
     @property
     def middles(self) -> tuple[float, float]:
-        """Y of the tracks' middles, right and left, m."""
+        """Lateral positions y of the tracks' middles, right and left, m."""
         return -0.5 * self.track_distance, 0.5 * self.track_distance
 
     def upper_at(self, angle: float) -> tuple[np.ndarray, np.ndarray]:
-        """COM of the upper structure at a slew angle (rad), (3,), m, and its inertia tensor, kg m2."""
+        """Return the upper structure's COM (3,), m, and inertia tensor, kg m2, at a slewing angle (rad)."""
         c = math.cos(angle)
         s = math.sin(angle)
         axis = np.array([self.swing_axis, 0.0, 0.0])
@@ -52,7 +52,7 @@ class CarBody(base.PH4100C, values=ph4100c.CAR_BODY):
         return axis + turn @ (np.array(self.upper_com) - axis), inertia
 
     def parts(self, side_frame: Part) -> list[Part]:
-        """Rigid parts of the machine, `side_frame` being the right one's in its own axes."""
+        """Return the rigid parts of the machine; `side_frame` is the right side frame in its own axes."""
         com, inertia = self.upper_at(self.slew)
         mirror = np.diag([1.0, -1.0, 1.0])
         right, left = (np.array([0.0, y, 0.0]) for y in self.middles)

@@ -1,4 +1,4 @@
-"""Before a run: what no machine and no ground is known to have."""
+"""Plausibility checks before a run: values that no known machine or ground has."""
 
 import logging
 import warnings
@@ -18,16 +18,16 @@ logger = logging.getLogger("exudyn_crawler")
 
 _newtons = partial(fields.in_units, units={"GN": 1e9, "MN": 1e6, "kN": 1e3, "N": 1.0}, digits=4)
 LEAST_LOAD, GREATEST_LOAD = 1e3, 1e7  # N, mean load of the machine on a shoe
-LIGHTEST = 0.5  # of a shoe's weight, which any machine exceeds on each of its shoes. Chosen here
+LIGHTEST = 0.5  # least mean load on a shoe, fraction of the shoe's weight (chosen here)
 LEAST_GYRATION, GREATEST_GYRATION = 0.02, 5.0  # m, radii of gyration of a shoe
-SHALLOWEST = 1e-5  # m that a shoe plausibly sinks into a unit at least
-BOTTOMLESS = 5.0  # heights of a shoe, or of a unit, beyond which nothing that sinks there rests. Chosen here
-DEEPEST = 0.5  # of the way from a shoe's underside to its load point: how far it plausibly sinks into a unit
-GREATEST_SAG = 0.5  # of a unit's height: how far its weight and its share of the track press it down
+SHALLOWEST = 1e-5  # m, least plausible penetration of a shoe into a unit
+BOTTOMLESS = 5.0  # greatest sinkage at which a track can rest, heights of a shoe or of a unit (chosen here)
+DEEPEST = 0.5  # greatest plausible penetration, fraction of a load point's height above the underside
+GREATEST_SAG = 0.5  # greatest plausible sinkage of a unit under itself and a shoe's load, unit heights
 
 
 def _loads(case: Case) -> Iterator[str]:
-    """Phases whose loads lift shoes, are next to nothing or beyond any machine, or act beside the shoe."""
+    """Yield a warning for each phase with loads that lift shoes, have an odd size, or act off the shoe."""
     core = case.shoe.width / 6.0
     weight = case.shoe.mass * float(np.linalg.norm(case.gravity_vector()))
     for number, phase in enumerate(case.loads.phases):
@@ -64,13 +64,13 @@ def _inertia(case: Case) -> Iterator[str]:
 
 
 def _unit_sag(case: Case, terrain: Terrain) -> float:
-    """Way (m) by which a unit of the ground sinks under itself and the mean load of a shoe."""
+    """Return the sinkage (m) of a unit under its weight and the mean load of a shoe."""
     weight = terrain.unit_mass * case.gravity_vector()[2]
     return float((case.mean_load - weight) / terrain.heave_stiffness)
 
 
 def bottomless(case: Case) -> str | None:
-    """Line about shoes that would sink so far that there is no such ground; None where it carries them."""
+    """Return a line on shoes that would sink too far for any ground; None if the ground carries them."""
     height = case.shoe.com_height + case.shoe.load_point[2]
     depth = case.settled_penetration
     how = f"by {depth:.3g} m"
@@ -85,7 +85,7 @@ def bottomless(case: Case) -> str | None:
 
 
 def _gear(case: Case) -> Iterator[str]:
-    """Inertias of a machine's parts, and teeth, that do not go with the rest of it."""
+    """Yield the warnings of the gear, such as for inertias and teeth."""
     yield from case.gear.implausible(case.shoe, case.track)
 
 
@@ -108,7 +108,7 @@ def _sinking(case: Case) -> Iterator[str]:
 
 
 def _map(case: Case) -> Iterator[str]:
-    """Warn of measured heights of which hardly any lie below the track."""
+    """Yield a warning for measured heights that are farther apart than a shoe is wide."""
     measured = case.terrain.relief.measured
     if measured is None:
         return
@@ -122,19 +122,19 @@ def _map(case: Case) -> Iterator[str]:
 
 
 def warn_implausible(case: Case, duration: float | None = None) -> None:
-    """Warn, by an `ImplausibleWarning` each, of what no machine and no ground is known to have."""
+    """Warn, by an `ImplausibleWarning` each, of values that no known machine or ground has."""
     warn_of(implausible(case, duration))
 
 
 def warn_of(lines: Iterable[str], category: type[Warning] = ImplausibleWarning) -> None:
-    """Warn of each line, and log it."""
+    """Log each line and issue it as a warning."""
     for line in lines:
         logger.info("warning: %s", line)
         warnings.warn(line, category, stacklevel=4)
 
 
 def out_of_range(parameters: BaseModel) -> Iterator[str]:
-    """Values outside of their plausible ranges, a line each."""
+    """Yield a line for each value outside its plausible range."""
     for entry in fields.walk(parameters):
         plausible = fields.plausible_range(entry.field)
         numbers = _numbers(entry.value)
@@ -150,7 +150,7 @@ def out_of_range(parameters: BaseModel) -> Iterator[str]:
 
 
 def implausible(case: Case, duration: float | None = None) -> Iterator[str]:
-    """Everything in a case that no machine and no ground is known to have, a line each."""
+    """Yield a line for each value of a case that no known machine or ground has."""
     yield from out_of_range(case)
     for check in (_loads, _inertia, _gear, _sinking, _map):
         yield from check(case)

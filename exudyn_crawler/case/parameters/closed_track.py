@@ -1,4 +1,4 @@
-"""Wheels of a closed track that are no rollers: drive tumbler and idler."""
+"""Wheels of a closed track other than rollers: drive tumbler and idler."""
 
 import math
 
@@ -9,20 +9,22 @@ from exudyn_crawler.case.parameters import base, track
 from exudyn_crawler.case.parameters.tooth_profile import ToothProfile
 from exudyn_crawler.settings.parameters import Errors, Parameters, option, quantity
 
-DEEPER, TRIED = 10.0, 500  # greatest depth in place of another, and values tried, of teeth that would do
+DEEPER, TRIED = 10.0, 500  # in a search for valid teeth: greatest factor of the depth, number of values
 SETTLING = 2e-3
-"""s, least damping of a recoil spring over its stiffness. An idler that its stops alone brought to rest would
-do so within a step, by forces that grow as steps become shorter."""
+"""Least ratio of damping to stiffness of a recoil spring, s.
+
+Without it the stops alone would bring the idler to rest within a step, by forces that grow as the step falls.
+"""
 Wheel = tuple[base.Place, base.Place]
 TIPS = 0.036
-"""Tips of a sprocket's teeth beyond the pins' circle, in pitches: 7.75 mm of 215.9 mm (Case CX350B)."""
+"""Height of a sprocket's tips beyond the pins' circle, in pitches: 7.75 mm of 215.9 mm (Case CX350B)."""
 
 
 class Tumbler(base.PH4100C, values=ph4100c.TUMBLER):
     """Drive tumbler: even gaps between its teeth are concave arcs, into which round lugs of the shoes run.
 
-    Without a `depth` the profile follows from pitch, teeth and lugs: arcs about the pins' circle that seat
-    the lugs, and flanks that go on straight to the tips, inclined so that leaving lugs get free.
+    Without a `depth` the profile follows from pitch, teeth and lugs. Arcs with centres on the pins' circle
+    seat the lugs; straight flanks go on to the tips, with a slope that frees leaving lugs.
     """
 
     place: Wheel = quantity("m", "x and z of the axis in the frame", (-20.0, 20.0))
@@ -72,33 +74,33 @@ class Tumbler(base.PH4100C, values=ph4100c.TUMBLER):
     damping_depth: base.Depth = quantity("m", "depth at which the damping is full", (1e-7, 1e-2))
 
     def radius(self, pitch: float) -> float:
-        """Radius (m) of the circle of the pins, of a chain that has this pitch (m) when it is new."""
+        """Return the radius (m) of the pins' circle for a chain with a new pitch (m)."""
         return self.pitch_radius or pitch / (2.0 * math.sin(math.pi / self.shoes_per_turn))
 
     @property
     def shoes_per_turn(self) -> float:
-        """Shoes that a whole turn moves: half of the teeth of a half-pitch sprocket, such as 10.5."""
+        """Number of shoes that pass in one turn; of a half-pitch sprocket half of the teeth, such as 10.5."""
         return self.teeth / self.gaps_per_shoe
 
     def tip_radius(self, pitch: float) -> float:
-        """Radius (m) of the teeth's tips, for a chain of a pitch (m)."""
+        """Return the radius (m) of the teeth's tips for a chain of a pitch (m)."""
         return self.radius(pitch) + (TIPS * pitch if self.reach is None else self.reach)
 
     @property
     def free_angle(self) -> float:
-        """Angle (rad) beside a gap's middle, about its arc's centre, beyond which leaving lugs hook."""
+        """Greatest angle (rad) of an arc from its gap's middle at which leaving lugs do not hook."""
         return 0.5 * math.pi - math.pi / self.shoes_per_turn
 
     @property
     def pitch(self) -> float | None:
-        """Pitch (m) of the chain that its pins' circle is of; None: of that which is on it."""
+        """Pitch (m) of the chain that fits `pitch_radius`; None: it follows the chain."""
         return self.pitch_radius and 2.0 * self.pitch_radius * math.sin(math.pi / self.shoes_per_turn)
 
     def profile(self, chain: track.Track) -> ToothProfile:
-        """Gaps between the teeth, for a chain.
+        """Return the gaps between the teeth, for a chain.
 
-        A seated shoe is a side of the polygon of the tumbler, whose gaps are at its corners. Without backlash
-        the arcs leave no play to the one of its lugs that is farthest from the arc's centre next to it.
+        A seated shoe is a side of the tumbler's polygon, with gaps at its corners. Without backlash, the arcs
+        leave no play to the lug with the greatest distance from the nearest arc's centre.
         """
         pitch = chain.pitch
         radius = self.radius(chain.pitch)
@@ -106,7 +108,7 @@ class Tumbler(base.PH4100C, values=ph4100c.TUMBLER):
         middle = chain.pin_ahead - 0.5 * pitch
         height = math.sqrt(max(0.0, radius**2 - 0.25 * pitch**2))
         farthest = 0.0
-        # beside the middle between the shoe's pins, z into the loop
+        # from the middle between the shoe's pins, z into the loop
         for x, z in [(x - middle, z - chain.pin_height) for x, z in self.lugs] or [(-0.5 * pitch, 0.0)]:
             far = math.hypot(x, height - z)
             angle = math.atan2(x, height - z)
@@ -118,7 +120,7 @@ class Tumbler(base.PH4100C, values=ph4100c.TUMBLER):
         return profile if self.depth is not None else profile.with_flanks(self.flank * self.free_angle)
 
     def tooth_errors(self, chain: track.Track) -> Errors:
-        """Teeth of which leaving lugs could not get free, or none at all; with the values that would do."""
+        """Yield an error for teeth that hook leaving lugs, and for missing teeth, with valid values."""
         profile = self.profile(chain)
         center, arc, addendum = profile.center, profile.arc, profile.addendum
         if not abs(center - arc) < profile.rim < center + arc:
@@ -138,22 +140,22 @@ class Tumbler(base.PH4100C, values=ph4100c.TUMBLER):
             yield f"tumbler: neighbouring gaps overlap, so that no tooth is between them; {remedies}"
 
     def _frees_lugs(self, chain: track.Track) -> bool:
-        """True where leaving lugs do not hook under the teeth."""
+        """Return whether leaving lugs do not hook under the teeth."""
         return self.profile(chain).flank_angle < self.free_angle
 
     def _has_teeth(self, chain: track.Track) -> bool:
-        """True where a tooth is left between neighbouring gaps."""
+        """Return whether neighbouring gaps leave a tooth between them."""
         profile = self.profile(chain)
         return profile.half_width <= profile.addendum * math.sin(math.pi / self.teeth)
 
     def longest_reach(self, chain: track.Track) -> float:
-        """Greatest reach (m), of this one and shorter ones, at which the flanks of a tooth have not met."""
+        """Return the greatest reach (m) up to the present one at which a tooth's flanks do not meet."""
         here = self.tip_radius(chain.pitch) - self.radius(chain.pitch)
         reaches = np.linspace(here, 0.0, TRIED).tolist()
         return next((r for r in reaches if self.model_copy(update={"reach": r})._has_teeth(chain)), here)
 
     def _remedies(self, chain: track.Track) -> str:
-        """Nearest values of one parameter each with which the teeth would do, for reading."""
+        """Describe the nearest values, each of one parameter, that give valid teeth."""
         words = []
         reach = self.tip_radius(chain.pitch) - self.radius(chain.pitch)
         deepest = None if self.depth is None else DEEPER * self.depth
@@ -182,7 +184,7 @@ class Slide(Parameters):
     damping: base.Damping = quantity("N s/m", "of the damper", (0.0, 1e7), default=0.0)
 
     def inertia_tensor(self, radius: float) -> np.ndarray:
-        """Of the idler as a disc of this radius (m), about its centre: array (3, 3), kg m2."""
+        """Return the inertia tensor of the idler as a disc of a radius (m): array (3, 3), kg m2."""
         return self.mass * radius**2 * np.diag([0.25, 0.5, 0.25])
 
     @property
@@ -200,8 +202,8 @@ class Tensioner(Slide):
 class Recoil(Slide):
     """Recoil spring behind a grease cylinder: the idler gives way where the chain pushes it with more.
 
-    The cylinder holds the idler at its take-up, which gives the tension. Beyond the preload of the spring the
-    idler moves back by the excess over the stiffness, as far as the stroke; it never moves forward of its
+    The cylinder holds the idler at its take-up, which gives the tension. Beyond the spring's preload the
+    idler moves back by the excess over the stiffness, at most by the stroke. It never moves forward of its
     place. The damper acts while the idler moves, and brings it to rest at both ends.
     """
 
@@ -210,15 +212,15 @@ class Recoil(Slide):
 
     @property
     def relaxation(self) -> float:
-        """Damping over stiffness, s; at least that which brings the idler to rest at its stops."""
+        """Damping over stiffness, s; at least `SETTLING`, so that the idler comes to rest at its stops."""
         return max(super().relaxation, SETTLING)
 
 
 class Idler(base.PH4100C, values=ph4100c.IDLER):
     """Front idler: shims hold it where the chain has its tension at rest, or a tensioner pushes it.
 
-    The tension is given as a sag or as a pretension, for the machine that stands level; a run solves for the
-    take-up that gives it. Neither: the sag that makers ask for. `take_up` or `slack` say where the idler is.
+    The tension is given as a sag or a pretension of the level machine; a run solves for its take-up. Without
+    both it is the sag that makers ask for. `take_up` or `slack` give the place of the idler instead.
     """
 
     place: Wheel = quantity("m", "x and z of the axis in the frame without take-up", (-20.0, 20.0))
@@ -259,10 +261,10 @@ class Idler(base.PH4100C, values=ph4100c.IDLER):
 
     @property
     def slide(self) -> Tensioner | Recoil | None:
-        """Spring on which it slides; None where it is a wheel of the frame."""
+        """Spring on which the idler slides; None if the idler is a wheel of the frame."""
         return self.tensioner or self.recoil
 
     @property
     def is_set_by_tension(self) -> bool:
-        """True where the take-up is what gives the tension at rest."""
+        """True if the tension at rest determines the take-up."""
         return self.take_up is None and self.slack is None and self.tensioner is None

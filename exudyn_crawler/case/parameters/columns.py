@@ -1,7 +1,7 @@
 """Text files of measurements, and columns of their tables: a unit in the head, as ``pressure in kPa``.
 
-Spreadsheets and loggers write a table in many ways: in UTF-8 or UTF-16, with commas, semicolons or tabs
-between cells, with a decimal point or comma and other marks between thousands, with units below the heads.
+Spreadsheets and loggers write tables in many ways. The text is UTF-8 or UTF-16; commas, semicolons or tabs
+separate cells. Decimal marks and thousands separators differ, and units may stand below the heads.
 """
 
 import csv
@@ -17,29 +17,29 @@ from exudyn_crawler.settings import units
 HEAD = re.compile(r"\s*(?P<name>.*?)\s*(?:\[(?P<a>.*)\]|\((?P<b>.*)\)|(?:,|/| in )\s*(?P<c>[^,]+?))?\s*")
 """Name of a column with its unit: ``force [N]``, ``force (N)``, ``force, N``, ``force/N``, ``force in N``."""
 GREATEST = 1e15
-"""Size of numbers beyond which nothing is measured, and sums of squares fail."""
+"""Greatest size of measured numbers; sums of squares of greater ones fail."""
 MATLAB_HEAD = re.compile(r"(?P<name>.*[^_])_(?P<unit>[A-Za-z0-9]+)_")
-"""Name of a variable that MATLAB makes of a head: ``Time_s_`` of ``Time (s)``."""
+"""Variable name that MATLAB derives from a head: ``Time_s_`` from ``Time (s)``."""
 SEPARATOR_LINE = re.compile(r"sep=(.)\s*", re.IGNORECASE)
-"""First line of a file that tells a spreadsheet what is between the cells."""
+"""First line of a file that gives a spreadsheet the separator of cells."""
 GROUPS = re.compile(rf"(?<=\d){units.PARTING}(?=\d{{3}}(?!\d))")
-"""Mark between thousands that is no decimal mark anywhere."""
+"""Thousands separator that no country uses as a decimal mark."""
 NUMBER = re.compile(r"[+-]?[\d.,]*\d[\d.,]*(?:e[+-]?\d+)?", re.IGNORECASE)
-"""Number with whatever marks."""
+"""Number with any decimal marks and thousands separators."""
 MARKED = re.compile(r"[+-]?(?P<whole>\d{1,3})(?P<mark>[.,])\d{3}")
-"""Number of which the mark may be that of decimals or of thousands."""
+"""Number with a mark that may be a decimal mark or a thousands separator."""
 THOUSANDS = {mark: re.compile(rf"[+-]?\d{{1,3}}(?:\{mark}\d{{3}})+(?!\d)") for mark in ".,"}
-"""Whole number with marks between thousands, by the mark."""
+"""Whole number with thousands separators, by the separator."""
 MISSING = {"", "-", "nan", "-nan", "null", "none", "na", "n/a", "#n/a", "nodata", "*"}
-"""Words, and none, for a value that is missing."""
+"""Texts for a missing value; the empty text is one of them."""
 INDEX_HEAD = re.compile(r"|#|index|unnamed: ?0|row|no\.?|nr\.?", re.IGNORECASE)
 """Head of a column that counts rows."""
 
 
 def head_parts(head: str) -> tuple[str, str]:
-    """Name and unit of a column's head; the unit is empty where it has none."""
+    """Return name and unit of a column's head; the unit is empty if the head has none."""
     match = HEAD.fullmatch(head)
-    assert match is not None  # the name takes whatever is there
+    assert match is not None  # the name matches any text
     unit = next((match[group] for group in "abc" if match[group]), "")
     name = match["name"]
     made = None if unit else MATLAB_HEAD.fullmatch(name)
@@ -49,9 +49,9 @@ def head_parts(head: str) -> tuple[str, str]:
 
 
 def factor_of(unit: str, wanted: str, name: str = "") -> float:
-    """Size of a unit in the `wanted` one; ValueError if it is no unit, or one of something else.
+    """Return the size of a unit in the `wanted` one; raises `ValueError` for a wrong or incompatible unit.
 
-    With the `name` of its column the error says how its head is written.
+    With the `name` of its column, the error gives the right spelling of the head.
     """
     if unit == wanted or (wanted == "1" and not unit):
         return 1.0
@@ -66,14 +66,14 @@ def factor_of(unit: str, wanted: str, name: str = "") -> float:
 def read_text(path: Path) -> str:
     """Return the text of a file in UTF-8, or in UTF-16 as spreadsheets write "Unicode text".
 
-    FileNotFoundError if there is no such file, ValueError if it is no text.
+    Raises `FileNotFoundError` if there is no such file, and `ValueError` if it is not a text.
     """
     content = path.read_bytes()
     coding = "utf-8-sig"
     if content.startswith((b"\xff\xfe", b"\xfe\xff")):
         coding = "utf-16"
     elif b"\0" in content[:2]:
-        # some programs leave the mark out before the first letter
+        # some programs omit the byte order mark
         coding = "utf-16-be" if content[:1] == b"\0" else "utf-16-le"
         coding = coding if content[:2].strip(b"\0").isascii() else "utf-8"
     try:
@@ -84,11 +84,12 @@ def read_text(path: Path) -> str:
 
 
 def read_table(path: str | Path) -> tuple[list[str], list[list[str]]]:
-    """Heads and rows of a CSV file with commas, semicolons or tabs; lines that begin with # are remarks.
+    """Return heads and rows of a CSV file with commas, semicolons or tabs; lines with leading # are remarks.
 
-    Units in a row below the heads go into the heads, a first column that counts rows is left out. Numbers
-    have a decimal point and nothing between thousands. FileNotFoundError if there is no such file, ValueError
-    if it has no rows, rows of another length, or marks in its numbers that may be of decimals or thousands.
+    Units in a row below the heads go into the heads; a first column that counts rows is left out. Returned
+    numbers have a decimal point and no thousands separators. Raises `FileNotFoundError` if there is no such
+    file. Raises `ValueError` for a file without rows, for rows of another length, and for ambiguous marks in
+    numbers.
     """
     path = Path(path)
     if not path.is_file():
@@ -123,7 +124,7 @@ def read_table(path: str | Path) -> tuple[list[str], list[list[str]]]:
 
 
 def has_units(row: list[str]) -> bool:
-    """Return whether a row has units alone, as some loggers write them below the heads."""
+    """Return whether a row has only units, as some loggers write them below the heads."""
     cells = [cell.strip("[]()") for cell in row if cell not in MISSING]
     return bool(cells) and all(units.is_unit(cell) for cell in cells)
 
@@ -136,10 +137,10 @@ def counts_rows(cells: list[str]) -> bool:
 
 
 def plain_numbers(rows: list[list[str]]) -> list[list[str]]:
-    """Return cells whose numbers have a decimal point and nothing between thousands.
+    """Return the cells with a decimal point in numbers, and without thousands separators.
 
-    One mark is that of decimals in a whole table, the other one that of thousands. ValueError, as a question,
-    if nothing in the table says which.
+    A whole table has one decimal mark; the other mark separates thousands. Raises `ValueError`, as a
+    question, if the table does not tell the two apart.
     """
     numbered = [
         (number, cell) for number, row in enumerate(rows, start=1) for cell in row if NUMBER.fullmatch(cell)
@@ -158,7 +159,7 @@ def plain_numbers(rows: list[list[str]]) -> list[list[str]]:
 
 
 def decimal_mark(cells: Iterable[str]) -> str | None:
-    """Return the decimal mark of numbers, a point where none has a mark; None if it is open."""
+    """Return the decimal mark of numbers, a point if they have no marks; None if it is ambiguous."""
     is_open = False
     for cell in cells:
         marks = [letter for letter in cell if letter in ".,"]
@@ -167,7 +168,7 @@ def decimal_mark(cells: Iterable[str]) -> str | None:
             last = marks[-1]
             if marks.count(last) == 1:
                 return last
-            # several ones of a kind are between thousands, or in no number
+            # repeated marks separate thousands, or the cell is not a number
             if THOUSANDS[last].fullmatch(cell):
                 return {".": ",", ",": "."}[last]
         is_open = is_open or match is not None
@@ -175,7 +176,7 @@ def decimal_mark(cells: Iterable[str]) -> str | None:
 
 
 def _plain(cell: str, mark: str, other: str) -> str:
-    """Return a number with a decimal point and nothing between thousands; any other cell as it is."""
+    """Return a number with a decimal point and no thousands separators; any other cell unchanged."""
     if not NUMBER.fullmatch(cell):
         return cell
     match = THOUSANDS[other].match(cell)
@@ -186,10 +187,10 @@ def _plain(cell: str, mark: str, other: str) -> str:
 def read_columns(
     path: str | Path, wanted: Mapping[str, str], labels: tuple[str, ...] = ()
 ) -> dict[str, np.ndarray]:
-    """Columns of a table by name in the `wanted` units, those that it has; `labels` stay texts.
+    """Return the columns of a table by name, in the `wanted` units; columns of `labels` stay texts.
 
-    ValueError, with the file, the column and the row, for what is no number, for a unit that does not fit,
-    for a column of another name and for one that stands twice.
+    Columns may be missing. Raises `ValueError`, with the file and the column, for a wrong number (with its
+    row), a wrong unit, an unknown name and a repeated column.
     """
     heads, rows = read_table(path)
     known = {**wanted, **dict.fromkeys(labels, "")}
@@ -216,7 +217,7 @@ def read_columns(
 
 
 def _swapped(name: str, unit: str, wanted: Mapping[str, str], heads: list[str]) -> str:
-    """Return a question whether a column is swapped with another one, whose unit it has."""
+    """Return a question on a swap of two columns if each has a unit of the other; else an empty text."""
     for other, its_unit in map(head_parts, heads):
         fits = unit and other != name and other in wanted and its_unit
         if fits and _is_of(unit, wanted[other]) and _is_of(its_unit, wanted[name]):
@@ -232,9 +233,9 @@ def _is_of(unit: str, wanted: str) -> bool:
 
 
 def numbers(cells: list[str], name: str, gaps: bool = False) -> np.ndarray:
-    """Numbers of cells: array (rows,); ValueError, with the `name` and the row, for what is none.
+    """Return the numbers of cells: array (rows,); raises `ValueError`, with `name` and row, for other texts.
 
-    With `gaps`, missing values are not a number.
+    With `gaps`, missing values become NaN.
     """
     values = np.empty(len(cells))
     for row, cell in enumerate(cells):

@@ -48,15 +48,15 @@ class PairContact(Parameters):
 
     @classmethod
     def oil_sand(cls, sharing: Literal["pair", "area"] = "pair") -> Self:
-        """Steel shoe on oil sand (all papers, contact table); sharing and edge width are chosen here."""
+        """Return a steel shoe on oil sand (all papers, contact table); sharing, edge width: chosen here."""
         return cls(**ph4100c.PAIR_CONTACT, sharing=sharing)
 
     @classmethod
     def adams(cls) -> Self:
-        """Same on units larger than a shoe, as the rigid studies' numbers show ADAMS' contact.
+        """Return ADAMS' contact on units larger than a shoe, as deduced from the rigid studies' numbers.
 
-        ADAMS documents no direction of the normal. The area vector gives the F-paper's mean forces at a
-        unit's edge, the depth at the centroid its penetrations there (`docs/validation.md`).
+        ADAMS documents no direction of the normal. At a unit's edge, the area vector gives the F-paper's mean
+        forces, and the depth at the centroid gives its penetrations (`docs/validation.md`).
         """
         return cls.oil_sand().with_(normal="area")
 
@@ -64,9 +64,9 @@ class PairContact(Parameters):
 class SphereContact(Parameters):
     """Spheres under each shoe in Exudyn's `GeneralContact`, at the middle of equal parts of the underside.
 
-    They touch the underside from within. Their stiffness is no parameter: `Case.sphere_stiffness` makes a
-    shoe under its mean load settle as deep as by the IMPACT law of the reference values. The force is linear
-    in the depth: the stiffness against bouncing is that law's over its exponent; friction has one
+    They touch the underside from within. Their stiffness is not a parameter: with `Case.sphere_stiffness`, a
+    shoe under its mean load settles as deep as under the IMPACT law of the reference values. The force is
+    linear in the depth, so the tangent stiffness is that of this law over its exponent. Friction has one
     coefficient.
     """
 
@@ -87,11 +87,14 @@ class SphereContact(Parameters):
 
     @classmethod
     def oil_sand(cls) -> Self:
-        """Shoe on oil sand: friction is mu_d of the papers, at whose speed a track slips at full propel."""
+        """Return a shoe on oil sand; friction is the papers' mu_d, valid at the slip of a full propel."""
         return cls(**ph4100c.SPHERE_CONTACT)
 
     def size_errors(self, depth: float, side: float) -> Errors:
-        """Yield a radius below the `depth` of the most loaded shoe, or too large for units of a `side`, m."""
+        """Yield an error for a radius below the most loaded shoe's `depth`, or too large for a `side`, m.
+
+        `side` is the side of a unit.
+        """
         if self.radius <= depth:
             least = f"settled penetration of the most loaded shoe, {depth:.4g} m"
             yield f"contact.radius must exceed the {least}, got {self.radius}"
@@ -101,10 +104,10 @@ class SphereContact(Parameters):
 
     @property
     def count(self) -> int:
-        """Spheres under one shoe."""
+        """Number of spheres under one shoe."""
         return self.spheres_x * self.spheres_y
 
 
 def impact_depth(load: np.typing.ArrayLike, stiffness: float, exponent: float) -> np.ndarray:
-    """Penetration (m) of an evenly carried shoe by an IMPACT law under each load (N); none where it lifts."""
+    """Return the penetration (m) of an evenly loaded shoe by an IMPACT law for each load (N); 0 if lifted."""
     return (np.maximum(load, 0.0) / stiffness) ** (1.0 / exponent)

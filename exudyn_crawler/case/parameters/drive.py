@@ -11,13 +11,13 @@ from exudyn_crawler.case.parameters.base import Component
 from exudyn_crawler.settings import fields
 from exudyn_crawler.settings.parameters import Errors, Parameters, option, quantity
 
-SAME_TIME = 1e-9  # relative difference below which two times are the same
-SHORTEST = 1e-9  # s, of a STEP, whose rates are numbers so
-FASTEST = 100.0  # m/s and rad/s: no track is as fast, and nothing of it could be integrated
+SAME_TIME = 1e-9  # relative difference below which two times are equal
+SHORTEST = 1e-9  # s, least length of a STEP, so that its rates are finite
+FASTEST = 100.0  # m/s and rad/s, above any track and any motion that can be integrated
 
 
 SETTLING = 1.0
-"""s after the drive goes off until the track is quiet; its shoes swing at 8 Hz and more."""
+"""Time (s) from the end of the drive until the track is quiet; its shoes swing at 8 Hz and more."""
 
 
 class StepProfile(Parameters):
@@ -43,30 +43,30 @@ class StepProfile(Parameters):
 
     @classmethod
     def constant(cls, value: float) -> Self:
-        """Same value at all times."""
+        """Return a profile with one value at all times."""
         return cls(times=(0.0,), values=(value,))
 
     def _at(self, time: np.typing.ArrayLike) -> tuple[np.ndarray, np.ndarray]:
-        """Number of the STEP that each time lies in, and the share of it that is over; 0 before the first."""
+        """Return the index of the STEP at each time, and the elapsed fraction of it; 0 before the first."""
         times, _, lengths, _ = _steps(self.times, self.values)
         inside = np.minimum(np.maximum(time, times[0]), times[-1])
         step = times.searchsorted(inside, side="right") - 1
         return step, (inside - times[step]) / lengths[step]
 
     def value(self, time: np.typing.ArrayLike) -> np.ndarray:
-        """Value at each time."""
+        """Return the value at each time."""
         _, values, _, rises = _steps(self.times, self.values)
         step, s = self._at(time)
         return values[step] + rises[step] * s**2 * (3.0 - 2.0 * s)
 
     def rate(self, time: np.typing.ArrayLike) -> np.ndarray:
-        """Time derivative at each time."""
+        """Return the time derivative at each time."""
         _, _, lengths, rises = _steps(self.times, self.values)
         step, s = self._at(time)
         return 6.0 * rises[step] / lengths[step] * s * (1.0 - s)
 
     def integral(self, time: np.typing.ArrayLike) -> np.ndarray:
-        """Integral from the first given time to each time (negative before it)."""
+        """Return the integral from the first given time to each time (negative before it)."""
         times, values, lengths, rises = _steps(self.times, self.values)
         step, s = self._at(time)
         before = np.append(0.0, np.cumsum(lengths * (values + 0.5 * rises))[:-1])
@@ -79,7 +79,7 @@ class StepProfile(Parameters):
 def _steps(
     times: tuple[float, ...], values: tuple[float, ...]
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Start (s), first value, length (s) and rise of every STEP, a flat one last."""
+    """Return start (s), first value, length (s) and rise of every STEP; the last one is flat."""
     starts = np.array(times)
     firsts = np.array(values)
     return starts, firsts, np.append(np.diff(starts), 1.0), np.append(np.diff(firsts), 0.0)
@@ -88,8 +88,8 @@ def _steps(
 class Drive(Parameters):
     """Velocity of a point of the front shoe along x, in a turn the rate about its z axis, and when.
 
-    On closed tracks it is the speed of their chains against the frame, and on two of them they differ by the
-    turn rate times their distance.
+    On closed tracks it is the speed of the chains relative to the frame. The speeds of two tracks differ by
+    the turn rate times the tracks' distance.
     """
 
     speed: StepProfile = quantity("m/s", "velocity along global x", (-2.5, 2.5))
@@ -132,17 +132,17 @@ class Drive(Parameters):
 
     @classmethod
     def translation(cls) -> Self:
-        """Straight propel (K-chapter eq. 27 to 29): 0.012 t2 - 0.0016 t3 up to 0.1 m/s at 5 s."""
+        """Return a straight propel (K-chapter eq. 27 to 29): 0.012 t2 - 0.0016 t3 up to 0.1 m/s at 5 s."""
         return cls(speed=_risen(ph4100c.PROPEL_SPEED))
 
     @classmethod
     def turning(cls) -> Self:
-        """Propel and turn (K-chapter): the rate rises as 0.12 t2 - 0.016 t3 deg/s to 1 deg/s at 5 s."""
+        """Return propel with turn (K-chapter); the rate is 0.12 t2 - 0.016 t3 deg/s up to 1 deg/s at 5 s."""
         return cls(speed=_risen(ph4100c.PROPEL_SPEED), turn_rate=_risen(ph4100c.TURN_RATE))
 
     @classmethod
     def to_rest(cls) -> Self:
-        """Propel of the S-paper: as in translation up to 10 s, then to rest at 15 s, and off."""
+        """Return the propel of the S-paper: as in translation up to 10 s, to rest at 15 s, then off."""
         speed = ph4100c.PROPEL_SPEED
         rest = ph4100c.REST_START
         times = (0.0, ph4100c.PROPEL_RISE, ph4100c.BRAKE_START, rest)
@@ -150,17 +150,17 @@ class Drive(Parameters):
 
     @property
     def switch_times(self) -> tuple[float, ...]:
-        """Times after 0 at which the drive goes on or off, s."""
+        """Times after 0 at which the drive switches on or off, s."""
         return tuple(time for window in self.on or () for time in window if time > 0.0)
 
     def off_since(self, time: float) -> float:
-        """How long the drive has been off just after a time, s; zero while it is on."""
+        """Return the time (s) since the drive went off, just after `time` (s); zero while it is on."""
         if self.drives_after(time):
             return 0.0
         return time - max((end for _, end in self.on or () if end <= time * (1.0 + SAME_TIME)), default=0.0)
 
     def quiet_time(self, duration: float) -> float:
-        """Part of a run's duration (s) in which the track is quiet, a while after the drive went off, s."""
+        """Return the quiet time (s) of a run's duration (s); it starts `SETTLING` after the drive's end."""
         if self.on is None:
             return 0.0
         starts = [0.0, *(end for _, end in self.on)]
@@ -169,19 +169,19 @@ class Drive(Parameters):
         return sum(max(0.0, min(end, duration) - start - SETTLING) for start, end in gaps)
 
     def drives_after(self, time: float) -> bool:
-        """True if the drive is on just after a time (s)."""
+        """Return whether the drive is on just after a time (s)."""
         return self.on is None or any(start <= time * (1.0 + SAME_TIME) < end for start, end in self.on)
 
     def travel(self, time: np.typing.ArrayLike) -> np.ndarray:
-        """Way that the drive has moved the front shoe by each time (s), m."""
+        """Return the distance that the drive has moved the front shoe up to each time (s), m."""
         return self._driven(self.speed, time)
 
     def turn(self, time: np.typing.ArrayLike) -> np.ndarray:
-        """Angle that the drive has turned the front shoe by each time (s), rad."""
+        """Return the angle that the drive has turned the front shoe up to each time (s), rad."""
         return np.zeros(np.shape(time)) if self.turn_rate is None else self._driven(self.turn_rate, time)
 
     def _driven(self, rate: StepProfile, time: np.typing.ArrayLike) -> np.ndarray:
-        """Integral of a rate over the times up to each `time` at which the drive is on."""
+        """Return the integral of a rate, up to each `time` (s), over the periods with the drive on."""
         if self.on is None:
             return rate.integral(time)
         driven = np.zeros(np.shape(time))
@@ -217,10 +217,10 @@ class Solver(Parameters):
             yield f"minimum_step must not exceed step = {self.step}, got {self.minimum_step}"
 
     def steps(self, duration: float, quiet: float) -> float:
-        """Steps of a run (s) of which the track is quiet for a part (s), about."""
+        """Return the approximate number of steps of a run with a `duration` and `quiet` time, s."""
         return (duration - quiet) / self.step + quiet / max(self.step, self.quiet_step)
 
     def stored_times(self, duration: float, quiet: float) -> float:
-        """Stored states of a run (s) of which the track is quiet for a part (s), about."""
+        """Return the approximate number of stored states of a run with a `duration` and `quiet` time, s."""
         driven = (duration - quiet) / max(self.output_interval, self.step)
         return driven + quiet / max(self.output_interval, self.step, self.quiet_step)

@@ -1,7 +1,7 @@
-"""Grids of measured heights as files have them: ESRI ASCII, NPY, NetCDF, GeoTIFF if rasterio is installed.
+"""Files of measured height grids: ESRI ASCII, NPY, NetCDF, and GeoTIFF if rasterio is installed.
 
-A reader gives places that rise evenly and heights, all in m. What a file does not say, or says in a way that
-could be meant otherwise, is a `ValueError` with what to do about it.
+A reader returns evenly spaced, rising coordinates and heights, all in m. It raises `ValueError`, with a
+remedy, for missing or ambiguous information.
 """
 
 import math
@@ -15,12 +15,12 @@ import numpy as np
 from exudyn_crawler.case.parameters.columns import MISSING, read_text
 from exudyn_crawler.settings.units import number_of
 
-LEAST = 4  # heights along each side, which a cubic spline takes
+LEAST = 4  # least number of heights along each side, as for a cubic spline
 CLIFF = 1000.0
-"""m between the lowest or highest height and all others, beyond which it stands for one that is missing."""
-HIGHEST = 12e3  # m, above or below sea level: no ground on Earth is beyond
-EVEN = 1e-6  # of a grid's extent, by which its places may differ from even ones
-CLOSE = 1e-6  # relative, within which a height is the declared one of missing ones: float32 rounds
+"""Least distance (m) of an extreme height from all others at which it counts as a missing value."""
+HIGHEST = 12e3  # m, greatest height above or below sea level; no ground on Earth is beyond
+EVEN = 1e-6  # greatest deviation of coordinates from even spacing, fraction of the grid's extent
+CLOSE = 1e-6  # relative tolerance of the declared value for missing heights, for rounding in float32
 HEAD = ("ncols", "nrows", "cellsize", "dx", "dy", "nodata_value")
 CORNERS = ("xllcorner", "yllcorner", "xllcenter", "yllcenter")
 COMMA = re.compile(r"[+-]?\d*,\d+(?:e[+-]?\d+)?")
@@ -30,7 +30,7 @@ DEGREES = ("lat", "latitude", "lon", "long", "longitude")
 
 
 class HeightGrid(NamedTuple):
-    """Heights at places that rise evenly; NaN where none is measured."""
+    """Heights at evenly spaced coordinates; NaN for a missing height."""
 
     x: np.ndarray  # (nx,), m
     y: np.ndarray  # (ny,), m
@@ -38,12 +38,12 @@ class HeightGrid(NamedTuple):
 
     @property
     def sides(self) -> tuple[float, float]:
-        """Distances of neighbours along x and y, m."""
+        """Spacing along x and y, m."""
         return float(self.x[1] - self.x[0]), float(self.y[1] - self.y[0])
 
 
 class Units(NamedTuple):
-    """How a user says what a file leaves out: units (None: those of the file, or m), and a spacing, m."""
+    """User's information that a file lacks: units (None: those of the file, or m) and a spacing, m."""
 
     place: str | None
     height: str | None
@@ -51,7 +51,7 @@ class Units(NamedTuple):
 
 
 def read_grid(path: Path, units: Units) -> HeightGrid:
-    """Read a file of heights; raises `ValueError`, or an `OSError`, if it cannot be used."""
+    """Read a file of heights; raises `ValueError` or `OSError` for an unusable file."""
     reader = READERS.get(path.suffix.lower())
     if reader is None:
         raise ValueError(f"its name must end with one of {', '.join(READERS)}")
@@ -71,7 +71,7 @@ def read_grid(path: Path, units: Units) -> HeightGrid:
 
 
 def _refuse_undeclared(z: np.ndarray) -> None:
-    """Refuse a height far from all others, which stands for a missing one that the file does not declare."""
+    """Raise `ValueError` for a height far from all others: a missing value that the file does not declare."""
     heights = np.unique(z[np.isfinite(z)])
     if len(heights) < 2:
         return
@@ -85,7 +85,7 @@ def _refuse_undeclared(z: np.ndarray) -> None:
 
 
 def _even(name: str, places: np.ndarray) -> np.ndarray:
-    """Places that rise evenly (m) for those of a file, which may be rounded as its numbers are."""
+    """Return evenly spaced coordinates (m) for rounded ones of a file; raises `ValueError` if not even."""
     rounding = 2.0 * np.finfo(places.dtype).eps * np.abs(places).max()
     exact = places.astype(float)
     if not np.isfinite(exact).all() or np.ptp(exact) <= rounding:
@@ -102,7 +102,7 @@ def _even(name: str, places: np.ndarray) -> np.ndarray:
 
 
 def size_of(unit: str, name: str) -> float:
-    """Size in m of a unit of length as a file or a user writes it."""
+    """Return the size (m) of a unit of length; raises `ValueError`, with `name`, for any other unit."""
     if unit.lower().startswith("degree") or unit.lower() in ("deg", "°"):
         raise ValueError(f"its {name} are in degrees; {PROJECT}")
     size = number_of(f"1 {unit}", "m")
@@ -112,7 +112,7 @@ def size_of(unit: str, name: str) -> float:
 
 
 PROJECT = "heights are needed over places in m, such as those of a UTM zone (gdalwarp -t_srs EPSG:326nn)"
-"""Advice for places in degrees."""
+"""Advice for coordinates in degrees."""
 
 
 def _ascii(path: Path, units: Units) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -142,7 +142,7 @@ def _ascii(path: Path, units: Units) -> tuple[np.ndarray, np.ndarray, np.ndarray
 
 
 def _head_values(head: Mapping[str, str]) -> tuple[int, int, list[float], list[float]]:
-    """Columns, rows, distances and first places along x and y that a head gives."""
+    """Return columns, rows, spacing and first coordinates along x and y of a head."""
     if unknown := [name for name in head if name not in HEAD + CORNERS]:
         raise ValueError(f"its head has {unknown[0]!r}, which no ESRI ASCII grid has: {', '.join(HEAD)}")
     missing = [name for name in ("ncols", "nrows") if name not in head]
@@ -175,7 +175,7 @@ def _head_values(head: Mapping[str, str]) -> tuple[int, int, list[float], list[f
 
 
 def _number(name: str, word: str, or_none: bool = False) -> Any:
-    """Number of a head's word; None for a word that says so, where that may be."""
+    """Return the number of a head's word; with `or_none`, None for a word for a missing value."""
     if or_none and word in MISSING:
         return None
     try:
@@ -188,7 +188,7 @@ def _number(name: str, word: str, or_none: bool = False) -> Any:
 
 
 def _ascii_heights(words: list[str]) -> np.ndarray:
-    """Heights of words, NaN for those that say so."""
+    """Return the heights of words, NaN for missing values; raises `ValueError` for other texts."""
     words = ["nan" if word in MISSING else word for word in words]
     try:
         return np.array(words, dtype=float)
@@ -214,7 +214,7 @@ def _npy(path: Path, units: Units) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     with path.open("rb") as file:
         if file.read(6) != b"\x93NUMPY":
             raise ValueError("it is no NPY file, as numpy.save writes one array")
-    # a map of the file takes no memory for what its head announces and it does not have
+    # a memory map allocates nothing for a head that announces more than the file has
     try:
         z = np.lib.format.open_memmap(path, mode="r")
     except (ValueError, OverflowError) as error:
@@ -259,7 +259,10 @@ def _netcdf(path: Path, units: Units) -> tuple[np.ndarray, np.ndarray, np.ndarra
 
 
 def _axis_of(data: Any, dimension: str) -> str:
-    """The axis, "x" or "y", that a dimension of a dataset is along; its own name if it is none of them."""
+    """Return the axis of a dataset's dimension, "x" or "y", else the dimension's name.
+
+    Raises `ValueError` for coordinates in degrees.
+    """
     attributes = data[dimension].attrs if dimension in data.coords else {}
     names = {str(dimension).lower(), str(attributes.get("standard_name", "")).lower()}
     if names & set(DEGREES) or str(attributes.get("units", "")).lower().startswith("degree"):
@@ -270,7 +273,7 @@ def _axis_of(data: Any, dimension: str) -> str:
 
 
 def _netcdf_places(field: Any, dimension: str, units: Units) -> np.ndarray:
-    """Places of a field along a dimension, m, of the type that the file has."""
+    """Return the coordinates of a field along a dimension, m, with the floating-point type of the file."""
     if dimension not in field.coords:
         if units.spacing is None:
             raise ValueError(f"it has no places along {dimension}: give their spacing")
@@ -308,4 +311,4 @@ def _tiff(path: Path, units: Units) -> tuple[np.ndarray, np.ndarray, np.ndarray]
 
 
 READERS = {".asc": _ascii, ".npy": _npy, ".nc": _netcdf, ".tif": _tiff, ".tiff": _tiff}
-"""Readers by the ending of a file's name."""
+"""Readers by the suffix of a file's name."""

@@ -1,7 +1,7 @@
-"""Heights of the ground before any shoe came: a plane, ridges, ruts, ramps, waves, stones, rough, measured.
+"""Heights of fresh ground: a plane, ridges, ruts, ramps, waves, stones, roughness, measured heights.
 
-All parts add up. Units follow them along x; cells know no walls: whatever rises does so over a flank of some
-cells, and has slopes of its own.
+The heights of all parts are added. Units follow them along x. Cells allow no walls: each part rises over a
+flank of some cells, and gives its slopes.
 """
 
 import math
@@ -16,9 +16,9 @@ from exudyn_crawler.errors import ParameterError
 from exudyn_crawler.settings.parameters import Errors, Name, Parameters, option, quantity
 
 FLANK = 2.0
-"""Cells that a flank has at least, so that a shoe which comes to it is lifted over some steps of time."""
-WAVE = 4.0  # cells that a wave has at least
-BANDS, DIRECTIONS = 64, 16  # of the waves that make a rough ground
+"""Least length of a flank, cells, so that it lifts an approaching shoe over several time steps."""
+WAVE = 4.0  # least length of a wave, cells
+BANDS, DIRECTIONS = 64, 16  # numbers of frequency bands and directions of the waves of a rough ground
 
 
 class Ridge(Parameters):
@@ -35,7 +35,7 @@ class Ridge(Parameters):
     length: float = quantity("m", "of the top along the ridge", gt=0, le=1e6, default=1e6)
 
     def sample(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
-        """Height and slopes, see `Heights.sample`."""
+        """Return height and slopes, see `Heights.sample`."""
         c, s = _direction(self.heading)
         x, y = x - self.x, y - self.y
         along, along_slope = _hump(x * c + y * s, self.length, self.flank)
@@ -56,7 +56,7 @@ class Ramp(Parameters):
     flank: float = quantity("m", "length, seen from above", gt=0, le=1e4)
 
     def sample(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
-        """Height and slopes, see `Heights.sample`."""
+        """Return height and slopes, see `Heights.sample`."""
         c, s = _direction(self.heading)
         share = ((x - self.x) * c + (y - self.y) * s) / self.flank
         slope = ((share > 0.0) & (share < 1.0)) / self.flank
@@ -75,7 +75,7 @@ class Waves(Parameters):
     length: float = quantity("m", "from crest to crest", gt=0, le=1e6)
 
     def sample(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
-        """Height and slopes, see `Heights.sample`."""
+        """Return height and slopes, see `Heights.sample`."""
         c, s = _direction(self.heading)
         number = 2.0 * math.pi / self.length
         phase = number * ((x - self.x) * c + (y - self.y) * s)
@@ -95,7 +95,7 @@ class Stone(Parameters):
     flank: float = quantity("m", "length of the flank, seen from above", gt=0, le=1e3)
 
     def sample(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
-        """Height and slopes, see `Heights.sample`."""
+        """Return height and slopes, see `Heights.sample`."""
         x, y = x - self.x, y - self.y
         radius = np.hypot(x, y)
         height, slope = _hump(radius, self.width, self.flank)
@@ -106,9 +106,9 @@ class Stone(Parameters):
 class Roughness(Parameters):
     """Random isotropic roughness: along a line the spectrum ``G (n / n0)**-w``, n0 = 0.1 cycles/m (ISO 8608).
 
-    A sum of waves with directions and phases of a seed: the same rock at a place, however large the map. No
-    source gives G of mine floors; ISO 8608 has 16e-6 m3 for a good road (class A) and 256e-6 m3 for a bad one
-    (class C).
+    It is a sum of waves whose directions and phases come from a seed. The height at a place does not depend
+    on the size of the map. No source gives G of mine floors; ISO 8608 has 16e-6 m3 for a good road (class A)
+    and 256e-6 m3 for a bad one (class C).
     """
 
     spectrum: float = quantity("m3", "G at 0.1 cycles/m", plausible=(1e-6, 0.02), ge=0, le=1)
@@ -122,11 +122,11 @@ class Roughness(Parameters):
             yield f"shortest must be below longest = {self.longest}, got {self.shortest}"
 
     def sample(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
-        """Height and slopes, see `Heights.sample`."""
+        """Return height and slopes, see `Heights.sample`."""
         random = np.random.default_rng(self.seed)
         w = self.exponent
         ends = np.geomspace(1.0 / self.longest, 1.0 / self.shortest, BANDS + 1)
-        # plane spectrum c k**-(w + 1) whose lines have the given one
+        # two-dimensional spectrum c k**-(w + 1) that gives the spectrum along a line
         beta = math.gamma(0.5) * math.gamma(w / 2.0) / math.gamma((w + 1.0) / 2.0)
         c = self.spectrum * 0.1**w / (2.0 * beta)
         variance = 2.0 * math.pi * c * (ends[:-1] ** (1.0 - w) - ends[1:] ** (1.0 - w)) / (w - 1.0)
@@ -159,7 +159,7 @@ class Heights(Parameters):
     scale: float = quantity("1", "factor of all of these", ge=-1e3, le=1e3, default=1.0)
 
     def sample(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
-        """Height (m) and slopes along x and y at places (m): array (..., 3); NaN beyond measured heights."""
+        """Return height (m) and slopes along x and y at places (m): (..., 3); NaN beyond measured heights."""
         z = self.level + self.slope_x * x + self.slope_y * y
         out = np.stack((z, np.full_like(z, self.slope_x), np.full_like(z, self.slope_y)), axis=-1)
         for part in (*self.parts, self.roughness, self.measured):
@@ -168,7 +168,7 @@ class Heights(Parameters):
         return self.scale * out
 
     def check_cells(self, cell: float) -> None:
-        """Refuse, by a `ParameterError` with a line for each, parts that are too fine for cells (m)."""
+        """Raise `ParameterError`, with a line a part, for parts that are too fine for cells of a size (m)."""
         sizes = [
             (f"parts[{k}].length ({part.name})", part.length, WAVE)
             if isinstance(part, Waves)
@@ -187,11 +187,14 @@ class Heights(Parameters):
 
 
 def _direction(heading: float) -> tuple[float, float]:
-    """Unit vector along x and y of a heading, degrees."""
+    """Return the components x and y of the unit vector of a heading, degrees."""
     return math.cos(math.radians(heading)), math.sin(math.radians(heading))
 
 
 def _hump(distance: np.ndarray, width: float, flank: float) -> tuple[np.ndarray, np.ndarray]:
-    """One within half a width of zero, falling to zero over a flank by a cubic STEP; and its derivative."""
+    """Return a hump over the distance from its middle, and its derivative.
+
+    The hump is 1 up to half of the width, and falls to zero over the flank by a cubic STEP.
+    """
     s = np.clip((np.abs(distance) - 0.5 * width) / flank, 0.0, 1.0)
     return 1.0 - s * s * (3.0 - 2.0 * s), -6.0 * s * (1.0 - s) / flank * np.sign(distance)

@@ -28,7 +28,7 @@ class PhaseEnd(Parameters):
 
 
 def values_of(profiles: Iterable[drive.StepProfile], time: np.typing.ArrayLike) -> np.ndarray:
-    """Values of profiles at each time: array (times, profiles)."""
+    """Return the values of profiles at each time: array (times, profiles)."""
     t = np.atleast_1d(np.asarray(time, dtype=float))
     return np.column_stack([profile.value(t) for profile in profiles])
 
@@ -44,7 +44,7 @@ class Cycle(Parameters):
             yield f"the phases' ends must increase, got {fields.shown(ends)}"
 
     def profiles(self, rows: Iterable[Iterable[float]]) -> list[drive.StepProfile]:
-        """Quantities over time of their values at the ends of the phases, a row each."""
+        """Return the profiles over time; each row has their values at the end of a phase."""
         ends = tuple(phase.end for phase in self.phases)
         return [drive.StepProfile(times=ends, values=values) for values in zip(*rows, strict=True)]
 
@@ -74,25 +74,27 @@ class LoadCycle(Cycle):
 
     @classmethod
     def constant(cls, loads: float | Sequence[float], shoe_count: int = ph4100c.SHOE_COUNT) -> Self:
-        """Same loads (N, shoes 1..n) at all times; one number is the load on each of `shoe_count` shoes."""
+        """Return constant loads (N, shoes 1..n); one number is the load on each of `shoe_count` shoes."""
         every = [loads] * shoe_count if isinstance(loads, int | float) else loads
         return cls(phases=(Phase(name="constant", end=0.0, loads=tuple(every)),))
 
     @classmethod
     def propel(cls, shoe_count: int = ph4100c.SHOE_COUNT) -> Self:
-        """Machine weight spread evenly (F-paper): 386.4 kN on each shoe."""
+        """Return the machine's weight spread evenly (F-paper): 386.4 kN on each shoe."""
         return cls.constant(ph4100c.PROPEL_LOAD, shoe_count)
 
     @classmethod
     def shovel_cycle(cls) -> Self:
-        """Propel, dig, hoist and swing, dump and return of the P&H 4100C (S-paper).
+        """Return propel, dig, hoist and swing, dump and return of the P&H 4100C (S-paper).
 
-        Only the loads on shoe 7 are printed. The others follow from what is stated of them, with every
-        sum kept (machine 13 x 386.4 kN, dipper 445 kN). Dig: the dipper on shoes 7 to 13, rising evenly; the
-        machine's load grows with the square of the distance from shoe 7, where it is what the printed 384 kN
-        leave it. Swing: both symmetric about shoe 7 and falling evenly from there, the machine's from 541 kN,
-        the dipper's from the rest of the printed 732 kN until nothing is left. Dump: the machine's share of
-        the swing alone. Return: even again.
+        The paper prints only the loads on shoe 7. The others follow from its statements and from both sums:
+        machine 13 x 386.4 kN, dipper 445 kN.
+
+        - Dig: the dipper's load rises linearly over shoes 7 to 13. The machine's load grows with the square
+          of the distance from shoe 7; on shoe 7 it is the rest of the printed 384 kN.
+        - Swing: both loads are symmetric about shoe 7 and fall linearly with the distance. The machine's load
+          falls from 541 kN, the dipper's from the rest of the printed 732 kN down to zero.
+        - Dump: the machine's load of the swing. Return: even loads.
         """
         count = ph4100c.SHOE_COUNT
         middle = ph4100c.MIDDLE_SHOE
@@ -126,24 +128,24 @@ class LoadCycle(Cycle):
     def from_toml(cls, path: str | Path, shoe_count: int = ph4100c.SHOE_COUNT) -> Self:
         """Read a cycle from a TOML file, a list of tables ``[[phases]]`` with name, end and loads.
 
-        A phase with one number for all loads `shoe_count` shoes. A FileNotFoundError if there is no such
-        file, a CaseFileError that names what is wrong if it is not TOML or not a load cycle.
+        In a phase, a single number is the load on each of `shoe_count` shoes. Raises `FileNotFoundError` if
+        there is no such file, and `CaseFileError`, with the fault, if it is not TOML or not a load cycle.
         """
         values = partial(with_equal_loads, shoe_count=shoe_count)
         return reading.read_parameters(path, cls, "load cycle", values)
 
     @classmethod
     def from_csv(cls, path: str | Path, shoe_count: int = ph4100c.SHOE_COUNT) -> Self:
-        """Read measured loads, a time and loads a row with units in the heads, as phases that end there.
+        """Read measured loads, with a time in each row and units in the heads; each row ends a phase.
 
-        A column "load [kN]" is the load on each of `shoe_count` shoes, "sum [kN]" that on all of them.
+        A column "load [kN]" is the load on each of `shoe_count` shoes, "sum [kN]" the load on all of them.
 
         Raises
         ------
         FileNotFoundError
             If there is no such file.
         CaseFileError
-            If it holds no loads over time.
+            If the file has no loads over time.
         """
         rows = measured_loads.read_loads(Path(path), shoe_count)
         with reading.errors_named(Path(path), cls):
@@ -165,8 +167,8 @@ class LoadCycle(Cycle):
         return read(path, shoe_count)
 
     def table(self) -> "pd.DataFrame":
-        """Loads at the end of every phase in kN: a row a shoe, a column a phase, and their sums."""
-        # a third of the time that a case takes to be shown
+        """Return the loads at the end of every phase, kN: a row a shoe, a column a phase, and their sums."""
+        # a slow import that only this table needs
         import pandas as pd
 
         columns = {
@@ -177,7 +179,7 @@ class LoadCycle(Cycle):
 
     @property
     def shoe_count(self) -> int:
-        """Number of shoes that the cycle loads."""
+        """Number of shoes of the cycle."""
         return len(self.phases[0].loads)
 
     @property
@@ -187,16 +189,16 @@ class LoadCycle(Cycle):
 
     @property
     def side_shift(self) -> drive.StepProfile:
-        """How far beside the load points the loads act over time, m, positive to the left."""
+        """Lateral offset of the loads from the load points over time, m, positive to the left."""
         return self.profiles([phase.side_shift] for phase in self.phases)[0]
 
     def loads(self, time: np.typing.ArrayLike) -> np.ndarray:
-        """Loads at each time: array (times, shoes), N downward."""
+        """Return the loads at each time: array (times, shoes), N downward."""
         return values_of(self.of_shoes, time)
 
 
 def with_equal_loads(content: Any, shoe_count: int) -> Any:
-    """Content of a load cycle in which one number for all shoes, or in its place, stands for each of them."""
+    """Return the content of a load cycle with a single number, for a phase or for all, repeated per shoe."""
 
     def spread(phase: Any) -> Any:
         load = units.number_of(phase.get("loads"), "N") if isinstance(phase, dict) else None
@@ -211,7 +213,10 @@ def with_equal_loads(content: Any, shoe_count: int) -> Any:
 
 
 def follow_shoes(content: Any, shoe_count: int) -> Any:
-    """Load cycle, or its content, that loads no shoe: for another number of shoes; any other as it is."""
+    """Return a load cycle, or its content, adapted to a number of shoes if all its loads are zero.
+
+    Any other cycle or content is returned unchanged.
+    """
     whole = content.model_dump() if isinstance(content, LoadCycle) else content
     match whole:
         case {"phases": [*phases]} if all(_is_of_nothing(phase) for phase in phases):
@@ -223,7 +228,7 @@ def follow_shoes(content: Any, shoe_count: int) -> Any:
 
 
 def _is_of_nothing(phase: Any) -> bool:
-    """True for a phase whose loads are all zero."""
+    """Return whether all loads of a phase are zero."""
     values = phase.get("loads") if isinstance(phase, dict) else None
     return isinstance(values, list | tuple) and all(
         fields.is_number(value) and value == 0 for value in values
@@ -231,9 +236,9 @@ def _is_of_nothing(phase: Any) -> bool:
 
 
 def _falling(greatest: float, total: float, distance: np.ndarray) -> np.ndarray:
-    """Loads that fall evenly with the distance from `greatest` to nothing, with a given sum."""
+    """Return loads with a given sum that fall linearly with the distance from `greatest` to zero."""
     reach = np.cumsum(np.sort(distance))
     count = np.arange(1, len(reach) + 1)
-    # with the n nearest ones alone loaded the sum is a line in the slope; the highest of these lines holds
+    # with only the n nearest shoes loaded, the sum is linear in the slope; the largest slope of all n holds
     slope = np.max((count * greatest - total)[reach > 0.0] / reach[reach > 0.0])
     return np.clip(greatest - slope * distance, 0.0, None)

@@ -1,4 +1,4 @@
-"""Duty of a machine: what acts on its side frame beside the weight, in phases over time."""
+"""Load cycle of a machine: force and moment on its side frame, without the weight, in phases over time."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -20,7 +20,7 @@ class MachinePhase(loads.PhaseEnd):
 
 
 class Pose(NamedTuple):
-    """Upper structure of a shovel at the end of a phase: of its dipper, places from the swing axis."""
+    """Pose of a shovel's upper structure at the end of a phase; the dipper's place is from the swing axis."""
 
     name: str
     end: float  # s
@@ -28,10 +28,10 @@ class Pose(NamedTuple):
     reach: float  # m
     height: float  # m above the rollers' axes
     payload: float  # kg
-    bank: tuple[float, float] = (0.0, 0.0)  # N, of the bank on the dipper, away from the machine and up
+    bank: tuple[float, float] = (0.0, 0.0)  # N, force of the bank on the dipper, outward and up
 
     def turned(self, ahead: float, up: float) -> np.ndarray:
-        """Vector so far ahead of the upper structure, and up: array (3,)."""
+        """Return the vector with components ahead of the upper structure and up: array (3,)."""
         return np.array([ahead * math.cos(self.swing), ahead * math.sin(self.swing), up])
 
 
@@ -44,7 +44,7 @@ class Weighed(Protocol):
 
     @property
     def com(self) -> Sequence[float] | np.ndarray:
-        """COM in its axes: (3,), m."""
+        """COM in the body's axes: (3,), m."""
 
 
 PH4100C_FRAME = Part(
@@ -69,16 +69,15 @@ class MachineCycle(loads.Cycle):
         side: float = 1.0,
         down: Sequence[float] = (0.0, 0.0, -1.0),
     ) -> Self:
-        """Cycle of a rope shovel from its weights and what its dipper meets.
+        """Return the cycle of a rope shovel from its weights and the forces on its dipper.
 
-        Statics gives this track its share: the resultant of all forces, at y from the middle between the
-        tracks, rests on both in the ratio of their distances. Along x each share stands where the whole does.
-        The lateral moment that is left is the pair of both tracks' forces: none of it is on the side frame.
+        Statics gives the share of this track. The resultant of all forces acts at y from the middle between
+        the tracks, and both tracks carry it by the lever rule. Along x each share acts at the place of the
+        whole. The pair of both tracks' forces balances the lateral moment; none of it acts on the side frame.
 
-        The weight of the side frame is taken off the share. Poses are at the
-        ends of the phases, masses and places of the `shovel` as in `ph4100c.SHOVEL`; `side` is 1 on the left
-        track and -1 on the right one, `down` as in `Terrain.down`. A ValueError if the machine tips over a
-        track.
+        The share is reduced by the weight of the side frame. Poses are at the ends of the phases; masses and
+        places of the `shovel` are as in `ph4100c.SHOVEL`. `side` is 1 on the left track and -1 on the right
+        one; `down` is as in `Terrain.down`. Raises `ValueError` if the machine tips over a track.
         """
         gravity = np.asarray(down, dtype=float)
         phases = []
@@ -104,12 +103,12 @@ class MachineCycle(loads.Cycle):
         poses: Sequence[Pose] = tuple(Pose(*row) for row in ph4100c.SHOVEL_POSES),
         down: Sequence[float] = (0.0, 0.0, -1.0),
     ) -> Self:
-        """Cycle of a machine on two tracks that stands: how its upper structure slews, and its dipper's load.
+        """Return the cycle of a standing machine on two tracks, from slewing and the load on its dipper.
 
-        Poses have the dipper's payload and what the bank does to it; their swing takes the weight of the
-        upper structure along. What changes with a dipper's reach alone is left out, and so is the slewing's
-        angular momentum. The upper structure is that of a `body`, the P&H 4100C's if None, and slews from its
-        `slew`; poses and `down`: see `shovel`.
+        Poses give the dipper's payload and the force of the bank; the upper structure's weight follows their
+        swing. Neglected are the shift of the front's weight with the dipper's reach, and the angular momentum
+        of slewing. `body` has the upper structure, by default that of the P&H 4100C, which slews from `slew`.
+        For poses and `down` see `shovel`.
         """
         body = body or CarBody.ph4100c()
         gravity = ph4100c.GRAVITY * np.asarray(down, dtype=float)
@@ -126,10 +125,10 @@ class MachineCycle(loads.Cycle):
 
     @classmethod
     def digging(cls, body: CarBody, down: Sequence[float] = (0.0, 0.0, -1.0)) -> Self:
-        """Cycle of a machine of any size that stands, digs, swings, dumps and returns.
+        """Return the cycle of a standing machine of any size: dig, swing, dump and return.
 
-        No source: the P&H 4100C's poses without its propel, by the upper structure's mass over that of the
-        P&H 4100C: payload and bank by this ratio, lengths by its third root; times are the same.
+        No source. The poses of the P&H 4100C without propel are scaled by the ratio of the upper structures'
+        masses: payload and bank by the ratio, lengths by its third root. Times are the same.
         """
         ratio = body.upper_mass / CarBody.ph4100c().upper_mass
         length = ratio ** (1.0 / 3.0)
@@ -148,22 +147,23 @@ class MachineCycle(loads.Cycle):
 
     @property
     def components(self) -> list[drive.StepProfile]:
-        """Force (N) and moment (N m) over time (s), global: x, y and z of each."""
+        """Components x, y and z of force (N) and moment (N m) over time (s), global."""
         return self.profiles((*phase.force, *phase.moment) for phase in self.phases)
 
     def wrench(self, time: np.typing.ArrayLike) -> tuple[np.ndarray, np.ndarray]:
-        """Force (N) and moment (N m) at each time (s): array (times, 3) each."""
+        """Return force (N) and moment (N m) at each time (s): array (times, 3) each."""
         wrenches = loads.values_of(self.components, time)
         return wrenches[:, :3], wrenches[:, 3:]
 
     def balance_errors(
         self, parts: Sequence[Part], rollers: Sequence[float], aside: float, gravity: np.ndarray
     ) -> Errors:
-        """Phases at whose ends, and so ever, a roller would have to pull.
+        """Yield an error for each phase in which a roller would have to pull on the rail.
 
-        `parts` are those of the side frame, or the machine, that stands on `rollers` (x, m) and tips where
-        its weight acts more than `aside` (m) beside the middle; gravity: (3,), m/s2. Shoes are no parts: the
-        chain lies on the ground and holds no roller down.
+        Only the ends of phases are checked, because they have the extremes. `parts` are those of the side
+        frame, or of the machine, on `rollers` (x, m). The body tips if its weight acts more than `aside` (m)
+        beside the middle. `gravity` is (3,), m/s2. Shoes are not parts: the chain on the ground holds no
+        roller down.
         """
         weight = sum(part.mass for part in parts) * gravity
         rear = rollers[0]
@@ -186,7 +186,10 @@ class MachineCycle(loads.Cycle):
 
 
 def _loads(shovel: Mapping[str, Any], pose: Pose, down: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Forces on the machine (N) and their places from the swing axis at the rollers (m): (k, 3) each."""
+    """Return the forces on the machine (N) and their places (m): array (k, 3) each.
+
+    Places are from the swing axis, at the height of the rollers' axes.
+    """
     dipper = pose.turned(pose.reach, pose.height)
     places = pose.turned(0.0, shovel["lower_height"]), pose.turned(*shovel["upper_place"]), dipper, dipper
     upper = shovel["upper"]

@@ -1,4 +1,4 @@
-"""Heights of the ground that were measured: a grid of a file, smoothed, and where it lies below the track."""
+"""Measured terrain: a height grid from a file, smoothed and placed below the track."""
 
 from functools import lru_cache
 from pathlib import Path
@@ -11,18 +11,21 @@ from scipy import interpolate, ndimage
 from exudyn_crawler.case.parameters.grids import PROJECT, HeightGrid, Units, read_grid, size_of
 from exudyn_crawler.settings.parameters import Errors, File, Parameters, option, quantity
 
-STEEPEST = 1.0  # rise over run beyond which heights are a wall, which cells do not know
+STEEPEST = 1.0  # greatest rise over run; steeper heights are a wall, which cells do not allow
 STEP = 0.2
-"""Second difference of slopes, twice that of a step: unsmoothed splines swing by 1 % of a spacing."""
+"""Greatest second difference of slopes without smoothing; splines then overshoot by 1 % of a spacing.
+
+A step has a second difference of twice its slope.
+"""
 GREATER_UNITS = ("km", "mi")
-"""Units of places, tried where a grid in m is too small to lie below a track."""
+"""Candidate units of coordinates for a grid that is too small for a track in m."""
 SMALLER_UNITS = ("ft", "cm", "mm")
-"""Units of heights, tried where heights in m are too steep."""
+"""Candidate units of heights that are too steep in m."""
 MOST_DEGREES = 360.0
 FINEST = 0.02
-"""Steps of places below which these may be in degrees or in km: a cell of the ground is not finer in m."""
+"""Spacing (m) below which coordinates may be in degrees or km; cells of the ground are not finer."""
 
-Shift = Annotated[float, Ge(-1e8), Le(1e8)]  # m, of a map: northings of all national grids are within
+Shift = Annotated[float, Ge(-1e8), Le(1e8)]  # m, shift of a map; northings of all national grids are within
 Bounds = tuple[tuple[float, float], tuple[float, float]]
 """Least and greatest x, least and greatest y, m."""
 
@@ -76,7 +79,7 @@ class MeasuredGrid(Parameters):
             )
 
     def _unit_of(self, rise: float) -> str:
-        """Hint at the unit of heights in which a rise (m a metre) would do; empty where none is likely."""
+        """Describe the likely unit of heights if a rise (m a metre) is too steep; empty if none is likely."""
         likely = [unit for unit in SMALLER_UNITS if rise * size_of(unit, "heights") <= STEEPEST]
         if self.height_unit or not likely:
             return ""
@@ -92,11 +95,11 @@ class MeasuredGrid(Parameters):
 
     @property
     def sides(self) -> tuple[float, float]:
-        """Distances of neighbouring heights along x and y, m."""
+        """Spacing of the heights along x and y, m."""
         return self._surface.grid.sides
 
     def sample(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
-        """Height and slopes, see `Heights.sample`; NaN beyond the grid and beside missing heights."""
+        """Return height and slopes, see `Heights.sample`; NaN beyond the grid and beside missing heights."""
         surface = self._surface
         ev = surface.spline.ev
         out = np.stack([ev(x, y), ev(x, y, dx=1), ev(x, y, dy=1)], axis=-1)
@@ -104,10 +107,10 @@ class MeasuredGrid(Parameters):
         return out
 
     def misfit(self, corners: np.ndarray, bounds: Bounds) -> str:
-        """Say why the grid does not carry a track, and what would; empty where it does.
+        """Describe why the grid does not cover a track, and a remedy; empty if it covers the track.
 
-        `corners` (times, 4, 2) are those of a rectangle on the ground, such as the track, and `bounds` the
-        terrain's, m.
+        `corners` (times, 4, 2), m, are those of a rectangle on the ground, such as the track. `bounds` are
+        those of the terrain, m.
         """
         surface = self._surface
         low = corners.min(axis=(0, 1))
@@ -122,10 +125,10 @@ class MeasuredGrid(Parameters):
         return ""
 
     def _remedy(self, track: np.ndarray, terrain: np.ndarray) -> str:
-        """Say which shift or unit would bring the grid below a track, or that none does.
+        """Describe the shift or unit that brings the grid below a track, or say that none does.
 
-        Both are lowest and highest places: arrays (2, 2), m. The grid comes below the terrain's middle where
-        that serves.
+        `track` and `terrain` are lowest and highest places: arrays (2, 2), m. The middle of the grid goes to
+        that of the terrain if the grid then covers the track, else to that of the track.
         """
         surface = self._surface
         ends = surface.ends
@@ -152,7 +155,7 @@ class MeasuredGrid(Parameters):
 
 
 class _Surface(NamedTuple):
-    """Smoothed heights of a grid, and what goes through them."""
+    """Smoothed heights of a grid, and the spline through them."""
 
     grid: HeightGrid
     known: np.ndarray  # (nx, ny): True where a height was measured
@@ -164,7 +167,7 @@ class _Surface(NamedTuple):
         return np.array([[self.grid.x[k], self.grid.y[k]] for k in (0, -1)])
 
     def knows(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
-        """True at the places (m) among four measured heights: array of their shape."""
+        """Return True for places (m) between four measured heights: array of their shape."""
         (x0, y0), (x1, y1) = self.ends
         inside = (x >= x0) & (x <= x1) & (y >= y0) & (y <= y1)
         if self.known.all():
@@ -177,7 +180,7 @@ class _Surface(NamedTuple):
         return inside & whole[column, row]
 
     def first_hole(self, corners: np.ndarray) -> np.ndarray | None:
-        """First place (x, y), m, in rectangles (times, 4, 2) that is not known; None if there is none."""
+        """Return the first place (x, y), m, with missing heights in rectangles (times, 4, 2), or None."""
         if self.known.all():
             return None
         step = 0.5 * min(self.grid.sides)
@@ -197,7 +200,7 @@ class _Surface(NamedTuple):
 def _smoothed(
     file: Path, _stamp: int, units: Units, origin: tuple[float, float], smoothing: float
 ) -> _Surface:
-    """Heights of a file as `MeasuredGrid` has them; where some are missing the nearest ones go on."""
+    """Return the smoothed surface of a file for a `MeasuredGrid`; nearest heights replace missing ones."""
     grid = read_grid(file, units)
     z = grid.z
     known = np.isfinite(grid.z)
@@ -212,7 +215,7 @@ def _smoothed(
 
 
 def _extent(low: np.ndarray, high: np.ndarray) -> str:
-    """Rectangle between two places, m."""
+    """Return the text of the rectangle between two places, m."""
     spans = [
         f"{least:.6g}..{most:.6g} m" if abs(least) < 1e3 else f"{least:.0f}..{most:.0f} m"
         for least, most in zip(low, high, strict=True)

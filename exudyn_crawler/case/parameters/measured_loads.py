@@ -1,4 +1,4 @@
-"""Measured loads over time from CSV files: a time and loads a row, with units in the heads of the columns."""
+"""Measured loads over time from CSV files: each row has a time and loads, each column head has a unit."""
 
 import re
 import warnings
@@ -21,7 +21,7 @@ NAMES = {
 }
 KNOWN = "'time [s]', 'load [kN]' (on each shoe), 'sum [kN]', 'shoe 1 [kN]', ... or 'side shift [m]'"
 WANTED = {"time": ("s", "s"), "shift": ("m", "mm")}
-"""Unit of a kind of column and an example of one; of all others it is that of a force."""
+"""SI unit and example unit of each kind of column; all other kinds have a unit of force."""
 
 
 class LoadRow(NamedTuple):
@@ -36,12 +36,12 @@ class Column(NamedTuple):
     """Head of a column of a file."""
 
     kind: str  # "time", "load", "sum", "shift" or "shoe"
-    shoe: int  # its number, of a shoe
-    size: float  # of its unit, in s, N or m
+    shoe: int  # number of the shoe; 0 for other kinds
+    size: float  # size of its unit, in s, N or m
 
 
 def read_loads(path: Path, shoe_count: int) -> list[LoadRow]:
-    """Read the rows of a file; one load stands for those of `shoe_count` shoes.
+    """Read the rows of a file; a single column of loads applies to all of `shoe_count` shoes.
 
     Warns of loads that pull the shoes up.
 
@@ -50,7 +50,7 @@ def read_loads(path: Path, shoe_count: int) -> list[LoadRow]:
     FileNotFoundError
         If there is no such file.
     CaseFileError
-        If it holds no loads over time.
+        If the file has no loads over time.
     """
     try:
         heads, rows = columns.read_table(path)
@@ -75,7 +75,7 @@ def read_loads(path: Path, shoe_count: int) -> list[LoadRow]:
 
 
 def _column(head: str) -> Column:
-    """Kind and unit of a column's head."""
+    """Return kind and unit of a column's head; raises `ValueError` for an unknown kind or unit."""
     name, unit = columns.head_parts(head)
     number = SHOE.fullmatch(name)
     kind = "shoe" if number else next((kind for kind, names in NAMES.items() if name in names), None)
@@ -94,7 +94,7 @@ def _column(head: str) -> Column:
 
 
 def _check_columns(kinds: Sequence[Column]) -> None:
-    """Refuse columns that say too little, or a thing twice."""
+    """Raise `ValueError` for a missing column, or for one that stands twice."""
     names = [column.kind for column in kinds]
     if names.count("time") != 1:
         raise ValueError(f"it must have one column 'time [s]', got {names.count('time')}")
@@ -113,7 +113,7 @@ def _check_columns(kinds: Sequence[Column]) -> None:
 def _load_rows(
     path: Path, kinds: Sequence[Column], numbers: Sequence[np.ndarray], shoe_count: int
 ) -> list[LoadRow]:
-    """Rows of their columns of numbers; CaseFileError if times do not rise from zero or later."""
+    """Return the rows of loads; raises `CaseFileError` if the times do not rise from zero or later."""
     by_kind = {column.kind: values for column, values in zip(kinds, numbers, strict=True)}
     times = by_kind["time"]
     before = np.concatenate([[-np.inf], times[:-1]])

@@ -1,4 +1,4 @@
-"""Sizes that fit: pins within their shoe, inertias with mass and extent, wheels beside each other."""
+"""Checks of sizes: pins within their shoe, inertias for mass and extent, wheels without overlap."""
 
 import math
 from collections.abc import Iterator, Sequence
@@ -9,8 +9,8 @@ import numpy as np
 from exudyn_crawler.case.parameters import base, track
 from exudyn_crawler.settings.parameters import Errors
 
-ROUNDING = 1e-9  # m, by which places may be beyond a bound
-DENSEST = 8000.0  # kg/m3, of steel: of parts that are no denser
+ROUNDING = 1e-9  # m, tolerance of places at a bound; also a relative one of inertias
+DENSEST = 8000.0  # kg/m3, density of steel, the greatest of any part
 COMPONENTS = ("Ixx", "Iyy", "Izz")
 
 
@@ -24,7 +24,7 @@ class Round(NamedTuple):
 
 
 def pin_errors(shoe: track.Shoe, chain: track.Track) -> Errors:
-    """Pins beside their shoe: beyond its sides, or below its underside."""
+    """Yield an error for each pin beyond the sides of its shoe or below its underside."""
     _, _, low, high, underside = shoe.footprint + np.array([0.0, 0.0, *2 * [chain.first_com[1]], 0.0])
     for name in ("spherical_y", "parallel_y"):
         place = getattr(chain, name)
@@ -37,9 +37,9 @@ def pin_errors(shoe: track.Shoe, chain: track.Track) -> Errors:
 
 
 def wide_inertia(name: str, mass: float, inertia: base.Six, reach: Sequence[float]) -> Iterator[str]:
-    """Moments of inertia beyond that of the whole mass (kg) at the corners of a body's extent, a line each.
+    """Yield a warning for each moment of inertia above that of the whole mass (kg) at the body's corners.
 
-    `reach` is how far it extends from its COM along its axes, m.
+    `reach` is the body's extent from its COM along its axes, m.
     """
     squares = np.square(reach)
     for component, value, most in zip(COMPONENTS, inertia, mass * (squares.sum() - squares), strict=False):
@@ -50,14 +50,14 @@ def wide_inertia(name: str, mass: float, inertia: base.Six, reach: Sequence[floa
 
 
 def shoe_reach(shoe: track.Shoe, chain: track.Track) -> tuple[float, float, float]:
-    """How far a shoe extends from its COM, m; it is no taller than the pitch, up or down."""
+    """Return the extent of a shoe from its COM along its axes, m; up and down it is at most the pitch."""
     rear, front, right, left, _ = np.abs(shoe.footprint)
     along = max(rear, front, chain.pin_ahead, chain.pitch - chain.pin_ahead)
     return along, max(right, left), max(chain.pitch, shoe.com_height)
 
 
 def thin_inertia(name: str, mass: float, inertia: base.Six) -> Iterator[str]:
-    """Inertia that is less than that of a ball of steel, which has the least: a line, or none."""
+    """Yield a warning if the inertia is below that of a solid steel ball, the least for a mass (kg)."""
     radius = (0.75 * mass / (math.pi * DENSEST)) ** (1.0 / 3.0)
     least = 1.2 * mass * radius**2
     trace = sum(inertia[:3])
@@ -68,7 +68,7 @@ def thin_inertia(name: str, mass: float, inertia: base.Six) -> Iterator[str]:
 
 
 def far_inertia(name: str, mass: float, inertia: base.Six, length: float) -> Iterator[str]:
-    """Inertia with a radius of gyration that is longer than a length (m): a line, or none."""
+    """Yield a warning if a radius of gyration exceeds `length` (m)."""
     radius = math.sqrt(np.linalg.eigvalsh(base.inertia_tensor(inertia))[-1] / mass)
     if radius > length:
         gives = f"it gives a radius of gyration of {radius:.3g} m with {mass:g} kg, more than {length:.3g} m"
@@ -76,7 +76,7 @@ def far_inertia(name: str, mass: float, inertia: base.Six, length: float) -> Ite
 
 
 def overlap_errors(wheels: Sequence[Round], tolerance: float = 1e-6) -> Errors:
-    """Wheels in each other, of different groups: rollers, carriers, tumbler and idler."""
+    """Yield an error for each overlap of wheels of different groups: rollers, carriers, tumbler and idler."""
     for k, wheel in enumerate(wheels):
         for other in wheels[k + 1 :]:
             if wheel.name.split()[0] == other.name.split()[0]:

@@ -1,4 +1,4 @@
-"""Terrain: a grid of units on spring-dampers, or cells that remember, with the law of their soil."""
+"""Terrain: a grid of units on spring-dampers, or cells with permanent sinkage and a soil law."""
 
 import json
 import math
@@ -21,10 +21,10 @@ from exudyn_crawler.settings.parameters import Errors, File, Parameters, option,
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-CREEP = 0.05  # m, by which a shoe may move on the ground before it rests
+CREEP = 0.05  # m, greatest motion of a shoe on the ground before it rests
 STEEPEST = 0.2
-"""Greatest slope along units: gaps between their faces are half its square of their length, 2 %."""
-ACROSS = 1e-6  # m, by which heights across y may differ
+"""Greatest slope along units; it opens gaps of slope^2 / 2 of a unit's length, 2 %, between their faces."""
+ACROSS = 1e-6  # m, greatest difference of heights across y
 
 
 class Ground(Parameters):
@@ -36,17 +36,18 @@ class Ground(Parameters):
 
     @property
     def is_even(self) -> bool:
-        """True for a ground without relief."""
+        """True if the ground has no relief."""
         return self.relief == Heights()
 
     @property
     def down(self) -> np.ndarray:
         """Direction of gravity: unit vector (3,) in the ground's axes.
 
-        An axis whose ground rises by s over a horizontal run of 1 points up by the sine s / sqrt(1 + s**2).
+        The ground rises by s along an axis over a horizontal run of 1. The axis then points up with the sine
+        s / sqrt(1 + s**2).
         """
         x, y = (slope / math.hypot(1.0, slope) for slope in (self.grade, self.side_slope))
-        # adding zero makes plain zeros of negative ones
+        # adding zero turns negative zeros into positive ones
         return np.array([-x, -y, -math.sqrt(1.0 - x**2 - y**2)]) + 0.0
 
     @property
@@ -55,7 +56,7 @@ class Ground(Parameters):
         raise NotImplementedError
 
     def reach_errors(self, corners: np.ndarray, time: float) -> Errors:
-        """Yield where the corners (4, 2), m, of a track at a time (s) are beyond the ground."""
+        """Yield an error for each axis along which a track's corners (4, 2), m, leave the ground."""
         for name, places, (least, greatest) in zip("xy", corners.T, self.bounds, strict=True):
             low = places.min()
             high = places.max()
@@ -65,7 +66,7 @@ class Ground(Parameters):
                 yield f"terrain must carry the track over the whole drive: {track}, {reach}"
 
     def map_errors(self, corners: np.ndarray) -> Errors:
-        """Yield where measured heights do not carry a track of corners over time (times, 4, 2), m."""
+        """Yield an error if measured heights do not cover a track's corners over time (times, 4, 2), m."""
         yield from ()
 
 
@@ -75,9 +76,9 @@ SAME_PLACE = 1e-9  # m
 class Terrain(Ground):
     """Grid of rigid units, each with heave and one tilt on spring-dampers normal to the ground.
 
-    Units count along y first, from 1. Their top faces lie at z = 0 while the springs are free, or follow a
-    relief along x, straight over each unit: units are moved and pitched so that their faces meet. All places
-    and directions are in the ground's own axes: on a slope gravity leans, and z stays normal to the ground.
+    Units count along y first, from 1. With free springs, their top faces are at z = 0 or follow a relief
+    along x. Each face is straight; units are moved and pitched so that their faces meet. All places and
+    directions are in the ground's own axes: on a slope gravity leans, and z stays normal to the ground.
     """
 
     model: Literal["units"] = option("units: blocks on springs, as the papers'", "units")
@@ -118,27 +119,28 @@ class Terrain(Ground):
 
     @classmethod
     def kinematics(cls) -> Self:
-        """50 units of 7 x 7 x 2 m (K-chapter, K-paper and F-paper).
+        """Return 50 units of 7 x 7 x 2 m (K-chapter, K-paper and F-paper).
 
-        They roll on springs below their edges, as the F-paper's steady lateral force on shoe 10 shows; the
-        papers' words leave both open (`docs/validation.md`).
+        They roll on springs below their edges, as deduced from the F-paper's steady lateral force on shoe 10.
+        The papers state neither the tilt nor the places of the springs (`docs/validation.md`).
         """
         return cls(**ph4100c.COARSE_TERRAIN)
 
     @classmethod
     def stress(cls, seams: Literal["margin", "fitted"] = "margin") -> Self:
-        """247 units of 1 x 1 x 1 m (S-paper): one spring of k = E A / L = 20 MN/m per unit.
+        """Return 247 units of 1 x 1 x 1 m (S-paper): one spring of k = E A / L = 20 MN/m per unit.
 
-        Open in the paper and chosen here: the spring stands at the unit's centre and, being a column of oil
-        sand as wide as the unit (E = 20 MPa), resists tilting with E I / L, without which a row could fold.
-        Its place is open too: by the margins about the track, or fitted to the contact forces in loading.
+        The paper does not give the following, which is chosen here. The spring is at the unit's centre; it is
+        a column of oil sand as wide as the unit (E = 20 MPa). It resists tilting with E I / L, without which
+        a row could fold. `seams` sets the place of the terrain: by the margins about the track, or fitted to
+        the contact forces in loading.
         """
         terrain = cls(**ph4100c.FINE_TERRAIN)
         return terrain if seams == "margin" else terrain.with_({"origin[0]": ph4100c.FITTED_SEAMS_X})
 
     @property
     def _gap(self) -> str:
-        """Why measured heights do not cover the terrain, and what would."""
+        """Reason why measured heights do not cover the terrain, and a remedy."""
         corners = np.array([[x, y] for x, y in product(*self.bounds)])[[0, 2, 3, 1]]
         measured = self.relief.measured
         return "" if measured is None else measured.misfit(corners[None], self.bounds)
@@ -156,7 +158,7 @@ class Terrain(Ground):
 
     @property
     def edges(self) -> np.ndarray:
-        """Places of the edges of the columns: array (columns + 1,), m, global x."""
+        """Positions of the columns' edges: array (columns + 1,), m, global x."""
         return self.origin[0] + self.unit_length * np.arange(self.columns + 1)
 
     @property
@@ -170,7 +172,7 @@ class Terrain(Ground):
         return -np.arctan(self.slopes)
 
     def surface(self, x: np.ndarray) -> np.ndarray:
-        """Height of the units' faces at places x (m) with the springs free: array of their shape, m."""
+        """Return the height of the units' faces at places x (m) with free springs: array like `x`, m."""
         return np.interp(x, self.edges, self._tops[:, 0])
 
     @property
@@ -206,12 +208,12 @@ class Terrain(Ground):
 
     @property
     def even_centers(self) -> np.ndarray:
-        """Same on even ground, where units stay of which the faces alone follow a relief."""
+        """Unit centres on even ground: array (units, 3), m, global; a relief moves only the faces."""
         return np.column_stack((self.middles, np.full(self.unit_count, -0.5 * self.unit_height)))
 
     @property
     def tilt_axis(self) -> int:
-        """Axis that units tilt about: 0 for roll about x, 1 for pitch about y."""
+        """Axis of the units' tilt: 0 for roll about x, 1 for pitch about y."""
         return 0 if self.tilt == "roll" else 1
 
     @property
@@ -237,12 +239,12 @@ class Terrain(Ground):
 
     @property
     def column_tilt_stiffness(self) -> float:
-        """Resistance of one spring itself against tilting, N m: k L**2 / 12, or none."""
+        """Tilting stiffness of a single spring, N m/rad: k L**2 / 12 of a column, else zero."""
         return self.spring_stiffness * self.tilt_length**2 / 12.0 if self.column_tilt else 0.0
 
     @property
     def tilt_stiffness(self) -> float:
-        """Stiffness of a unit's support against its tilt, N m."""
+        """Stiffness of a unit's support against its tilt, N m/rad."""
         offset = self.spring_offset if self.springs_per_unit == 2 else 0.0
         return self.springs_per_unit * (self.spring_stiffness * offset**2 + self.column_tilt_stiffness)
 
@@ -253,8 +255,9 @@ class Terrain(Ground):
 
 
 SOIL_LAWS = "exudyn_crawler.soil_laws"
-"""Entry points of functions that give the classes of soil laws: laws with compiled code live in rooms above
-this one, or in other packages.
+"""Group of entry points: functions that return classes of soil laws.
+
+Laws with compiled code are in rooms above this one, or in other packages.
 """
 
 
@@ -266,11 +269,11 @@ class SoilLaw(Parameters):
     @staticmethod
     @cache
     def plugged_in() -> tuple[type["SoilLaw"], ...]:
-        """Classes of all laws that are installed; looked for once, since that takes 30 ms."""
+        """Return the classes of all installed laws; the search takes 30 ms, so it runs once."""
         return tuple(law for point in entry_points(group=SOIL_LAWS) for law in point.load()())
 
     def sinkage(self, pressure: float, width: float) -> float:
-        """Sinkage (m) of a plate as wide as `width` (m) that is first loaded by a pressure (Pa)."""
+        """Return the sinkage (m) of a plate of a `width` (m) under its first loading by a pressure (Pa)."""
         raise NotImplementedError
 
     def draw(self, pressure: "Axes", shear: "Axes") -> None:
@@ -279,12 +282,12 @@ class SoilLaw(Parameters):
 
 
 def law_class(model: object) -> type[SoilLaw]:
-    """Class of parameters of the soil law of this name.
+    """Return the parameter class of the soil law with a name.
 
     Raises
     ------
     ParameterError
-        If there is none.
+        If there is no such law.
     """
     laws = {fields.tag_of(law): law for law in SoilLaw.plugged_in()}
     known = " or ".join(f"{name!r}" for name in sorted(laws))
@@ -296,14 +299,14 @@ def law_class(model: object) -> type[SoilLaw]:
 
 
 def _law(values: Any, info: ValidationInfo) -> Any:
-    """Law of a table by its model; anything else as it is."""
+    """Return the law of a table by its model; any other value unchanged."""
     if not isinstance(values, dict):
         return values
     kind = law_class(values.get("model"))
     if info.mode == "python":
         return kind(**values)
     try:
-        # a file has no text or truth value for a number
+        # a file may not have a text, true or false for a number
         return kind.model_validate_json(json.dumps(values), strict=True, context=info.context)
     except ValidationError as error:
         raise ParameterError("\n".join(error_lines(error, kind))) from None
@@ -336,26 +339,29 @@ class CellTerrain(Ground):
 
     @property
     def units(self) -> np.ndarray:
-        """Numbers of units, of which there are none."""
+        """Unit numbers: none."""
         return np.zeros(0, dtype=int)
 
     def map_errors(self, corners: np.ndarray) -> Errors:
-        """Yield where measured heights do not carry a track of corners over time (times, 4, 2), m."""
+        """Yield an error if measured heights do not cover a track's corners over time (times, 4, 2), m."""
         measured = self.relief.measured
         if measured is None:
             return
-        # heights are those of the middles of cells, of which a shoe covers the edges; it creeps to its rest
+        # a shoe reaches cells whose middles, which have the heights, are beyond its edges; it also creeps
         sides = corners - corners.mean(axis=1, keepdims=True)
         corners = corners + np.sign(sides) * (0.5 * self.cell + CREEP)
         if misfit := measured.misfit(corners, self.bounds):
             yield f"terrain.relief.measured: {misfit}"
 
     def surface(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
-        """Height of the ground at places (m): array of their shape, m."""
+        """Return the height of the ground at places (m): array of their shape, m."""
         return np.asarray(self.relief.sample(x, y)[..., 0])
 
     def earlier(self, law: SoilLaw) -> dict[str, np.ndarray]:
-        """Cells that an earlier run has pressed in, by their names; ValueError if it is of another ground."""
+        """Return the arrays of the cells that an earlier run has compressed, by name.
+
+        Raises `ValueError` if that run has no cells, or cells of another ground.
+        """
         if self.ruts is None:
             return {}
         import xarray
@@ -368,7 +374,7 @@ class CellTerrain(Ground):
             with xarray.open_dataset(self.ruts, engine="h5netcdf") as stored:
                 case = json.loads(stored.attrs["case"])
                 cells = {name: stored[name].values for name in names}
-        # altered bytes make the readers raise all kinds of errors
+        # a damaged file makes the readers raise errors of many classes
         except Exception as error:
             reason = " ".join(str(error).split())
             raise ValueError(f"terrain.ruts: {self.ruts} has no ground of cells: {reason}") from error

@@ -1,4 +1,4 @@
-"""The chain of shoes on the ground: shoe, rails and track, and which shoes are flexible."""
+"""Chain of shoes on the ground: shoe, rails and track, and the flexible shoes."""
 
 import os
 from dataclasses import replace
@@ -16,14 +16,14 @@ from exudyn_crawler.settings import fields, parameters
 from exudyn_crawler.settings.parameters import Errors, Parameters, option, quantity
 from meshes import SHOE_SIZES
 
-UNEVENNESS: float = ph4100c.UNEVENNESS  # m, of the underside's middle beside the COM: `Shoe.uneven`
+UNEVENNESS: float = ph4100c.UNEVENNESS  # m, lateral offset of the underside's middle from the COM
 STEEL_DENSITY: float = ph4100c.FLEXIBLE_SHOES["density"]  # kg/m3
 ORIGIN_TOLERANCE = 0.01  # m, between the origin of a mesh and its COM
 MOST_SHOES = 1000
 SIDES = ("right", "left")
-"""Pins of a link: the spherical joint (right) and the parallel-axes joint (left)."""
+"""Sides of a link's pins: the spherical joint (right) and the parallel-axes joint (left)."""
 MIDWAY = "middle"
-"""Middle between both."""
+"""Position in the middle between both pins of a link."""
 
 
 class Rails(base.PH4100C, values=ph4100c.RAILS):
@@ -44,7 +44,7 @@ class Rails(base.PH4100C, values=ph4100c.RAILS):
 
     @property
     def middles(self) -> tuple[float, float]:
-        """Y of the middles of the right and of the left rail, m."""
+        """Lateral positions y of the middles of the right and the left rail, m."""
         return self.right, self.left
 
 
@@ -97,12 +97,12 @@ class Shoe(base.PH4100C, values=ph4100c.SHOE):
 
     @classmethod
     def kinematics(cls) -> Self:
-        """Shoe of the rigid studies, with the rear edge and fingers that the F-paper's contacts show."""
+        """Return the rigid studies' shoe, with rear edge and fingers deduced from the F-paper's contacts."""
         return cls.ph4100c().with_(**ph4100c.FINGERED_UNDERSIDE)
 
     @classmethod
     def uneven(cls, unevenness: float = UNEVENNESS) -> Self:
-        """Shoe of the rigid studies whose underside's middle is right of COM and load by `unevenness`, m."""
+        """Return the rigid studies' shoe with its underside `unevenness` (m) to the right of COM and load."""
         even = cls.kinematics()
         x, y = even.underside_center
         sides = tuple(side - unevenness for side in even.finger_sides)
@@ -112,14 +112,14 @@ class Shoe(base.PH4100C, values=ph4100c.SHOE):
     def from_mesh(
         cls, mesh: "str | Path | fem.Mesh", density: float = STEEL_DENSITY, load_surface: str = "whole top"
     ) -> Self:
-        """Shoe as its mesh has it: mass, inertia, underside and load point; density in kg/m3.
+        """Return the shoe of a mesh: mass, inertia, underside and load point; density in kg/m3.
 
-        The mesh, in shoe axes and m, is coarse, study or fine, a path, or a mesh. It needs the
-        surfaces "underside" and `load_surface`, see `FlexibleShoes`. A FileNotFoundError or MeshError if
-        there is none or a surface is cut; a ValueError if it is larger than any shoe, lacks a surface, or its
-        origin is not its COM.
+        The mesh, in shoe axes and m, is coarse, study or fine, a path, or a mesh. It needs the surfaces
+        "underside" and `load_surface`, see `FlexibleShoes`. Raises `FileNotFoundError` for a missing mesh and
+        `MeshError` for an incomplete one. Raises `ValueError` if it is larger than any shoe, lacks a surface,
+        or its origin is not its COM.
         """
-        # a case without a mesh need not wait for finite elements
+        # a slow import that a case without a mesh does not need
         from meshes import STEEL, checks, mesh_named, undersides, with_load_surfaces
 
         name = str(mesh) if isinstance(mesh, str | Path) else ""
@@ -154,7 +154,7 @@ class Shoe(base.PH4100C, values=ph4100c.SHOE):
         )
 
     def of_mass(self, mass: float) -> Self:
-        """Same shape of another density (kg): its inertia goes with the mass."""
+        """Return a shoe of the same shape with another mass (kg), and its inertia in proportion."""
         ratio = mass / self.mass
         return self.with_(mass=mass, inertia=tuple(ratio * value for value in self.inertia))
 
@@ -170,12 +170,12 @@ class Shoe(base.PH4100C, values=ph4100c.SHOE):
 
     @property
     def ground_area(self) -> float:
-        """Area that presses on the ground, m2."""
+        """Area of the underside that bears on the ground, m2."""
         return self.length * self.width * self.ground_share
 
     @property
     def ground_breadth(self) -> float:
-        """Least side of what presses on the ground, m: by it pressed plates sink otherwise."""
+        """Least side of the bearing area or of one of its strips, m; sinkage depends on it."""
         return min(self.strip_length or self.length, self.width)
 
     @property
@@ -187,7 +187,10 @@ class Shoe(base.PH4100C, values=ph4100c.SHOE):
 
 
 def _rails_of(mesh: "fem.Mesh") -> Rails | None:
-    """Rails of a mesh: its roller path, which has to be two, or the highest of its top where that is two."""
+    """Return the rails of a mesh: the two of its roller path, else the two highest areas of its top, or None.
+
+    Raises `ValueError` if the mesh has a roller path that is not two rails.
+    """
     from meshes import rails
 
     try:
@@ -218,7 +221,7 @@ class Track(base.PH4100C, values=ph4100c.TRACK):
             yield f"pin_ahead must be less than the pitch {self.pitch}, got {self.pin_ahead}"
 
     def check_shoe(self, shoe: int) -> None:
-        """Refuse, by a `ValueError`, a number that is of no shoe."""
+        """Raise `ValueError` for a number that no shoe has."""
         if shoe not in self.shoes:
             raise ValueError(f"shoe must be in 1..{self.shoe_count}, got {shoe}")
 
@@ -229,11 +232,11 @@ class Track(base.PH4100C, values=ph4100c.TRACK):
 
     @property
     def joints(self) -> np.ndarray:
-        """Link numbers 1..n-1; link i joins shoes i and i+1."""
+        """Link numbers 1..n-1; link i connects shoes i and i+1."""
         return np.arange(1, self.shoe_count)
 
     def com_positions(self, com_height: float) -> np.ndarray:
-        """COMs at t = 0 with the undersides at z = 0: array (shoes, 3), m, global."""
+        """Return the COMs at t = 0 with the undersides at z = 0: array (shoes, 3), m, global."""
         along = self.first_com[0] + self.pitch * np.arange(self.shoe_count)
         return np.column_stack(np.broadcast_arrays(along, self.first_com[1], com_height))
 
@@ -261,17 +264,20 @@ class Track(base.PH4100C, values=ph4100c.TRACK):
 PAPER_DAMPING = drive.StepProfile(times=ph4100c.DAMPING_FREQUENCIES, values=ph4100c.DAMPING_RATIOS)
 """Modal damping ratio over frequency of the S-paper: 0.005 up to 1000 Hz, a STEP to 1 at 10 kHz."""
 ADAMS_DAMPING = drive.StepProfile(times=(99.0, 101.0, 990.0, 1010.0), values=(0.01, 0.1, 0.1, 1.0))
-"""ADAMS' own default: 1 % below 100 Hz, 10 % up to 1000 Hz, critical above; its jumps are 2 % wide here."""
+"""Default damping of ADAMS: 1 % below 100 Hz, 10 % up to 1000 Hz, critical above; jumps are 2 % wide here."""
 
-CONSTRAINT_MODES = 24  # six of each of the four joint centres
+CONSTRAINT_MODES = 24  # six for each of the four joint centres
 RIGID_MODES = 6
 
 
 def mesh_beside(name: str, info: ValidationInfo) -> str:
-    """Name of a mesh, or whole path of one beside the case file that names it, while it is read."""
+    """Return the name of a mesh, or its absolute path if the case file that is read names a file.
+
+    Raises `ValueError` if there is no such mesh.
+    """
     if info.context is None or name in SHOE_SIZES:
         return name
-    # for any text, where Path.is_file raises
+    # Path.is_file raises for some texts
     if not os.path.isfile(info.context / name):
         raise ValueError(f"neither one of {', '.join(SHOE_SIZES)} nor a file: {name!r}")
     return str((info.context / name).resolve())
@@ -327,10 +333,10 @@ class FlexibleShoes(Parameters):
 
     @property
     def mode_count(self) -> int:
-        """Modes of the integrated basis: 24 constraint modes and the fixed-interface ones, less 6 rigid."""
+        """Number of integrated modes: 24 constraint modes and fixed-interface modes, less 6 rigid ones."""
         return CONSTRAINT_MODES - RIGID_MODES + self.fixed_modes + int(self.load_mode)
 
     @classmethod
     def ph4100c(cls, mesh: str = "study") -> Self:
-        """Middle and front shoes of the S-paper: steel, with its modal damping."""
+        """Return the middle and front shoes of the S-paper: steel, with the paper's modal damping."""
         return cls(**ph4100c.FLEXIBLE_SHOES, mesh=mesh, damping=PAPER_DAMPING)
