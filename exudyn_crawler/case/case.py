@@ -1,4 +1,4 @@
-"""Everything that a run depends on."""
+"""Case: all parameters of a run."""
 
 from typing import Any, ClassVar
 
@@ -30,7 +30,7 @@ class Case(NamedCases):
         "closed_track": "is now [gear] with kind = 'closed', or 'machine' for two tracks",
         "car_body": "is now [gear.car_body] of a [gear] with kind = 'machine'",
     }
-    """Keys of older case files, and where their values are now."""
+    """Keys of older case files, with the present places of their values."""
 
     def _errors(self) -> Errors:
         count = self.track.shoe_count
@@ -68,8 +68,8 @@ class Case(NamedCases):
 
     @classmethod
     def _fitted(cls, values: dict[str, Any]) -> dict[str, Any]:
-        """Values of a copy: the loads of a machine, which are none, are those of however many shoes."""
-        # parts of which a value was changed by its path are tables
+        """Return the values of a copy, with a machine's zero loads adapted to the number of shoes."""
+        # a part is a table if a value in it was changed by its path
         gear, chain = (
             values[name] if isinstance(values[name], dict) else dict(iter(values[name]))
             for name in ("gear", "track")
@@ -80,7 +80,7 @@ class Case(NamedCases):
         return values | {"loads": follow_shoes(values["loads"], count)}
 
     def _unit_errors(self, terrain: Terrain) -> Errors:
-        """Yield what does not go with a terrain of units."""
+        """Yield an error for each setting that does not fit a terrain of units."""
         shoe = self.shoe
         contact = self.contact
         reduced = self.terrain_formulation == "reduced"
@@ -92,10 +92,10 @@ class Case(NamedCases):
             yield "terrain_formulation must be 'reduced' on a terrain.relief, got 'constrained'"
 
     def _sphere_errors(self, contact: SphereContact) -> Errors:
-        """Spheres that cannot carry the shoes."""
+        """Yield an error for loads that lift the shoes, and for spheres of a wrong size."""
         if not self.mean_load > 0.0:
             yield f"loads must press the shoes down on the whole, got {self.mean_load:g} N a shoe"
-        # of the most loaded shoe at its most loaded time on linear spheres
+        # for the greatest load of a shoe, on linear spheres
         load = max(max(phase.loads) for phase in self.loads.phases)
         depth = self.settled_penetration * float(self.pressed(load)) / self.mean_load
         terrain = self.part(Terrain)
@@ -103,17 +103,17 @@ class Case(NamedCases):
 
     @property
     def assembled(self) -> Assembled:
-        """Where the chain of a closed track starts; raises `ValueError` if the track is open."""
+        """Start of a closed track; raises `ValueError` if the track is open."""
         return self.part(Closed).assembled(self.shoe, self.track)
 
     @property
     def tracks(self) -> int:
-        """Number of tracks; of two the right one comes first."""
+        """Number of tracks; the right one comes first."""
         return self.gear.tracks
 
     @property
     def loop(self) -> Track:
-        """Chain of one of the tracks."""
+        """Chain of one track."""
         return self.gear.loop(self.track)
 
     @property
@@ -123,13 +123,13 @@ class Case(NamedCases):
 
     @property
     def joints(self) -> np.ndarray:
-        """Link numbers; link i joins shoes i and i + 1, the last one of a closed track its last and first."""
+        """Link numbers; link i connects shoes i and i + 1, a closed track's last one its last and first."""
         return self.gear.joints(self.track)
 
     @property
     def links(self) -> np.ndarray:
-        """Shoes behind and ahead of every link: array (links, 2), for the numbers see `joints`."""
-        # behind the last of an open track is no link, so that none goes on at its first shoe
+        """Shoes behind and ahead of every link: array (links, 2); for the numbers see `joints`."""
+        # an open track has no link ahead of its last shoe, so no link leads back to its first shoe
         rear = self.joints
         count = self.track.shoe_count // self.tracks
         return np.column_stack((rear, np.where(rear % count, rear + 1, rear + 1 - count)))
@@ -155,7 +155,7 @@ class Case(NamedCases):
         return self.part(Closed).idler_reference(self.shoe, self.track)
 
     def of_track(self, side: str) -> "Case":
-        """One of two closed tracks, "right" or "left", with its own side frame and without a turn."""
+        """Return the case of one of two closed tracks, "right" or "left", with its side frame and no turn."""
         apart = self.gear.middles[SIDES.index(side)] - self.gear.middles[0]
         chain = self.loop
         x, y = chain.first_com
@@ -175,43 +175,46 @@ class Case(NamedCases):
 
     @property
     def is_compiled(self) -> bool:
-        """True where a run takes the compiled equations of motion."""
+        """True if a run uses the compiled equations of motion."""
         can_be = not isinstance(self.contact, SphereContact) and self.terrain_formulation == "reduced"
         return can_be and self.formulation != "engine"
 
     def gravity_vector(self) -> np.ndarray:
-        """Acceleration of gravity: array (3,), m/s2, x along the travel at t = 0, z normal to the ground."""
+        """Return the acceleration of gravity (3,), m/s2: x along the travel at t = 0, z normal to ground."""
         return self.gravity * self.terrain.down
 
     def pressed(self, load: np.typing.ArrayLike) -> np.ndarray:
-        """Force normal to the ground (N) of a shoe's weight and of each load (N) on it."""
+        """Return the force normal to the ground (N) of a shoe's weight and each load (N) on it."""
         return (np.asarray(load) + self.shoe.mass * self.gravity) * -self.terrain.down[2]
 
     @property
     def first_loads(self) -> np.ndarray:
-        """Loads on the shoes at t = 0: array (shoes,), N; a side frame weighs evenly on those below it."""
+        """Loads on the shoes at t = 0: array (shoes,), N; a side frame loads the shoes below it evenly."""
         return self.gear.first_loads(self)
 
     def machine_wrench(self, time: np.typing.ArrayLike) -> tuple[np.ndarray, np.ndarray]:
-        """Force (N) and moment (N m) on a side frame's origin beside its weight, global: (times, 3) each."""
+        """Return force (N) and moment (N m) at a side frame's origin, without its weight, at times (s).
+
+        Both are global arrays (times, 3).
+        """
         nothing = np.zeros((np.size(time), 3))
         return (nothing, nothing.copy()) if self.machine is None else self.machine.wrench(time)
 
     @property
     def mean_load(self) -> float:
-        """Mean normal force below the shoes that carry the machine at t = 0, N: load and weight."""
+        """Mean normal force, N, of load and weight below the shoes that carry the machine at t = 0."""
         return float(self.pressed(self.first_loads[self.gear.standing(self)]).mean())
 
     @property
     def settled_penetration(self) -> float:
-        """Penetration of an evenly carried shoe under the mean load, m."""
+        """Penetration of an evenly loaded shoe under the mean load, m."""
         if isinstance(self.contact, SphereContact):
             law = self.contact.reference_stiffness, self.contact.reference_exponent
             return float(impact_depth(self.mean_load, *law))
         return float(self.settled_depths(np.array([self.mean_load]))[0])
 
     def settled_depths(self, loads: np.ndarray) -> np.ndarray:
-        """Penetration (m) of shoes that each carry such a load (N) evenly; none where a load lifts."""
+        """Return the penetration (m) of an evenly loaded shoe for each load (N); zero if it is lifted."""
         contact = self.contact
         loads = np.maximum(loads, 0.0)
         if isinstance(contact, PairContact):
@@ -224,30 +227,30 @@ class Case(NamedCases):
 
     @property
     def sphere_stiffness(self) -> float:
-        """Stiffness of one sphere, N/m: all of a shoe carry the mean load at the settled penetration."""
+        """Stiffness of a sphere, N/m; a shoe's spheres carry the mean load at the settled penetration."""
         return self.mean_load / self.settled_penetration / self.part(SphereContact).count
 
     def outline(self, time: float) -> np.ndarray:
-        """Corners of the track on the ground at a time (s), see `outlines`: array (4, 2), m."""
+        """Return the corners of the track on the ground at a time (s), see `outlines`: array (4, 2), m."""
         return self.outlines(np.array([time]))[0]
 
     def outlines(self, times: np.ndarray) -> np.ndarray:
-        """Corners of the track on the ground at times (s): array (times, 4, 2), m, global x and y.
+        """Return the corners of the track on the ground at times (s): array (times, 4, 2), m, global x and y.
 
-        The drive carries the outline along and turns it, and a machine on two tracks goes where it heads. A
-        track that a side frame rolls over stays where it is.
+        The drive moves and turns the outline; a machine on two tracks follows its heading. A track under a
+        rolling side frame stands still.
         """
         corners = outline.corners_of(self.shoe.footprint, self.shoe_reference)
         return outline.moved(corners, self.drive.turn(times), self.gear.way(self.drive, times))
 
     def check_support(self, duration: float) -> None:
-        """Refuse, by a `ValueError`, a drive off the terrain, or a frame off the track, in `duration` (s)."""
+        """Raise `ValueError` for a drive off the terrain, or a frame off the track, within `duration` (s)."""
         times = np.linspace(0.0, duration, 101 if duration > 0.0 else 1)
         for error in self._support_errors(times):
             raise ValueError(error)
 
     def _support_errors(self, times: np.ndarray) -> Errors:
-        """Yield what is off the track or off the terrain at times, s."""
+        """Yield an error for each part off the track, and for a track off the terrain, at times (s)."""
         outlines = self.outlines(times)
         travels = self.drive.travel(times)
         for time, travel, corners in zip(times.tolist(), travels.tolist(), outlines, strict=True):

@@ -1,7 +1,7 @@
-"""Named cases: those of the papers, and the machines that roll on their track or stand on closed ones.
+"""Named cases: those of the papers, and machines that roll on an open track or stand on closed ones.
 
-A case file may name one of those without arguments as its `base`. `Case` inherits all of them, so that
-``Case.translation()`` is one.
+A case file may name a case without required arguments as its `base`. `Case` inherits all constructors, as in
+``Case.translation()``.
 """
 
 from typing import Any, Literal, Self
@@ -24,7 +24,7 @@ class NamedCases(Sections):
 
     @classmethod
     def translation(cls, shoe: Literal["even", "uneven"] = "even") -> Self:
-        """Straight propel of the K-chapter, K-paper and F-paper; `Shoe.uneven` is fitted to the turn."""
+        """Return the straight propel of K-chapter, K-paper, F-paper; `Shoe.uneven` is fitted to the turn."""
         return cls(
             name="translation" if shoe == "even" else "uneven translation",
             shoe=Shoe.kinematics() if shoe == "even" else Shoe.uneven(),
@@ -37,18 +37,18 @@ class NamedCases(Sections):
 
     @classmethod
     def turning(cls, shoe: Literal["even", "uneven"] = "even") -> Self:
-        """Propel with a turn of the K-chapter, the K-paper and the F-paper; for `shoe` see `translation`."""
+        """Return the turning propel of K-chapter, K-paper and F-paper; for `shoe` see `translation`."""
         name = "turning" if shoe == "even" else "uneven turning"
         return cls.translation(shoe).with_(name=name, drive=Drive.turning())
 
     @classmethod
     def stress(cls, mesh: str = "study", seams: Literal["margin", "fitted"] = "margin") -> Self:
-        """Propel and loading cycle of the S-paper, with six flexible shoes.
+        """Return propel and loading cycle of the S-paper, with six flexible shoes.
 
         Each pair of shoe and unit has a whole contact law, as the paper states it. On 1 m units a shoe then
-        stands on 4 to 8 of them, so that its stiffness and its share of the load change as it crosses seams,
-        which ``PairContact.oil_sand(sharing="area")`` does not know. For `mesh` see `FlexibleShoes`, for
-        `seams` `Terrain.stress`.
+        stands on 4 to 8 of them. Its stiffness and its share of the load therefore change at seams; with
+        ``PairContact.oil_sand(sharing="area")`` they do not. For `mesh` see `FlexibleShoes`, for `seams` see
+        `Terrain.stress`.
         """
         return cls(
             name="stress",
@@ -63,7 +63,7 @@ class NamedCases(Sections):
 
     @classmethod
     def rolled(cls, shoe_count: int = 24) -> Self:
-        """Straight propel of a side frame over rigid shoes laid out before it; 24 give it 5 m to travel."""
+        """Return the straight propel of a side frame over rigid shoes before it; 24 allow 5 m of travel."""
         track = Track.ph4100c().with_(shoe_count=shoe_count)
         return cls(
             name="rolled",
@@ -75,13 +75,16 @@ class NamedCases(Sections):
             drive=Drive.translation(),
             loads=LoadCycle.constant([0.0] * shoe_count),
             gear=Rolled.ph4100c(),
-            # shoes stand: steps of 2 ms give the same pull within 0.5 %
+            # the shoes stand still: steps of 2 ms give the same pull within 0.5 %
             solver=Solver(step=5e-3, output_interval=5e-3),
         )
 
     @classmethod
     def closed(cls, shoe_count: int = ph4100c.CLOSED_SHOES) -> Self:
-        """Straight propel of half a machine on a closed track of rigid shoes; its chain has `drive.speed`."""
+        """Return the straight propel of half a machine on a closed track of rigid shoes.
+
+        The chain has `drive.speed`.
+        """
         return cls.translation().with_(
             name="closed",
             shoe=Shoe.ph4100c().with_(rails=Rails.ph4100c()),
@@ -92,7 +95,7 @@ class NamedCases(Sections):
 
     @classmethod
     def shovel(cls, shoe_count: int = ph4100c.CLOSED_SHOES) -> Self:
-        """Straight propel of the whole machine on two closed tracks of `shoe_count` rigid shoes each."""
+        """Return the straight propel of the machine on two closed tracks of `shoe_count` rigid shoes each."""
         half = cls.closed(shoe_count)
         return half.with_(
             name="shovel",
@@ -102,7 +105,7 @@ class NamedCases(Sections):
         )
 
     def on_cells(self, law: SoilLaw, heights: Heights | None = None, cell: float = 0.1) -> Self:
-        """Same case on level ground, or with heights, of cells (m) as large as its units and as steep."""
+        """Return the case on cells of a size (m), flat or with heights; extent and slopes stay the same."""
         (x0, x1), (y0, y1) = self.terrain.bounds
         same: dict[str, Any] = {"grade": self.terrain.grade, "side_slope": self.terrain.side_slope}
         same |= {"origin": (x0, y0), "length": x1 - x0, "width": y1 - y0}

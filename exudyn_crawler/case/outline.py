@@ -1,12 +1,12 @@
-"""Outline of a track on the ground, and how a drive carries it along."""
+"""Outline of a track on the ground, and its motion with the drive."""
 
 import numpy as np
 
 
 def corners_of(footprint: np.ndarray, coms: np.ndarray) -> np.ndarray:
-    """Corners around all shoes, from rear right to rear left: array (4, 2), m, global x and y.
+    """Return the corners around all shoes, from rear right to rear left: array (4, 2), m, global x and y.
 
-    `footprint` is that of a shoe about its COM, least and greatest x, then y, m; `coms` (shoes, 6) are the
+    `footprint` is that of a shoe about its COM: least and greatest x, then y, m. `coms` (shoes, 6) gives the
     places of the COMs.
     """
     rear = coms[:, 0].min() + footprint[0]
@@ -17,9 +17,10 @@ def corners_of(footprint: np.ndarray, coms: np.ndarray) -> np.ndarray:
 
 
 def moved(corners: np.ndarray, angles: np.ndarray, ways: np.ndarray) -> np.ndarray:
-    """Corners (4, 2), m, turned about their middle by angles (times,), rad, and moved by ways (times, 2), m.
+    """Return corners (4, 2), m, turned about their middle by angles (rad) and moved by ways (m).
 
-    The track is rigid seen from above, since its hinges only pitch. Array (times, 4, 2), m.
+    `angles` is (times,), `ways` (times, 2), the result (times, 4, 2), m. Seen from above the track is rigid,
+    since its hinges only pitch.
     """
     middle = corners.mean(axis=0)
     c = np.cos(angles)

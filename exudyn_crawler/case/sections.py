@@ -1,4 +1,4 @@
-"""Sections of a case: what a case file holds, by its keys."""
+"""Sections of a case: the contents of a case file, by key."""
 
 from typing import Annotated, Literal, TypeVar
 
@@ -18,7 +18,7 @@ from exudyn_crawler.settings.parameters import Name, Parameters, option, quantit
 
 AnyTerrain = Annotated[Terrain | CellTerrain, Field(discriminator="model")]
 Contact = Annotated[PairContact | SphereContact | CellContact, Field(discriminator="model")]
-"""How shoes and terrain touch."""
+"""Contact of shoes and terrain."""
 
 
 Model = TypeVar("Model", bound=Parameters)
@@ -53,7 +53,7 @@ class Sections(Parameters):
     )
 
     def part(self, kind: type[Model]) -> Model:
-        """Return the part of the case that is of a class; ValueError if the case has none of it."""
+        """Return the part of a class; raises `ValueError` if the case has no such part."""
         names = type(self).model_fields
         for value in (getattr(self, name) for name in names):
             if isinstance(value, kind):
