@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
-from exudyn_crawler.case.parameters.track import FlexibleShoes
 from exudyn_crawler.cli import application
 from exudyn_crawler.cli.application import RESULTS, Out, Overwrite
 from exudyn_crawler.views.tables import print_table, within_by_class
@@ -134,7 +133,7 @@ def stress(
     choices: Choices = False,
 ) -> None:
     """Run the stress study and compare it with the paper; the same command continues a stopped study."""
-    from exudyn_crawler import Case, LoadCycle
+    from exudyn_crawler import Case, FlexibleShoes, LoadCycle
     from exudyn_crawler.results.stress.hot_spots import hot_spot_table
     from studies.stress import RUN, highest_in_propel_and_loading, open_choices, study, with_modes
 

@@ -18,7 +18,7 @@ from exudyn_crawler.model.joints.hold import Held
 from exudyn_crawler.model.joints.pin import ROWS, Pins
 from exudyn_crawler.model.kinds import Joints
 from exudyn_crawler.model.markers import Markers
-from exudyn_crawler.model.newton import step
+from exudyn_crawler.model.newton import Limits, step
 from exudyn_crawler.model.tables import SYSTEM, FrontRows, Search, System, Tables, Workspace
 
 pytestmark = pytest.mark.simulation
@@ -88,7 +88,7 @@ def integrated(tables, start, gravity, h, steps):
         state[0] += h * state[1] + h * h * ((0.5 - beta) * before + beta * algorithmic)
         state[1] += h * ((1.0 - gamma) * before + gamma * algorithmic)
         state[2] = 0.0
-        converged, *_ = step(block, state, multipliers, inputs, weights, (1e-6, 50, False), scratch)
+        converged, *_ = step(block, state, multipliers, inputs, weights, Limits(1e-6, 50, False), scratch)
         assert converged
         algorithmic = algorithmic + (1.0 - alpha_f) / (1.0 - alpha_m) * state[2]
         found.append((*state[:2].copy(), multipliers[:pins].copy()))

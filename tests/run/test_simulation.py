@@ -287,7 +287,7 @@ def test_a_failed_step_of_the_compiled_equations_names_it_too(rest, equation, na
     def failing(_system, _state, _multipliers, _inputs, _weights, _limits, scratch):
         scratch[0][:] = 1.0
         scratch[0][equation] = 1e13
-        return False, 40, 3, 1e9
+        return newton.Outcome(False, 40, 3, 1e9)
 
     monkeypatch.setattr(newton, "step", failing)
     system.set_initial(rest)
@@ -326,7 +326,7 @@ def test_states_are_stored_at_the_asked_times_behind_a_step_that_was_halved(monk
     def failing(*arguments):
         calls.append(1)
         found = solve_step(*arguments)
-        return (False, *found[1:]) if len(calls) in (4, 9, 10) else found
+        return found._replace(converged=False) if len(calls) in (4, 9, 10) else found
 
     monkeypatch.setattr(newton, "step", failing)
     times = simulate(Case.translation().with_({"solver.output_interval": 4e-3}), 0.04).time.values

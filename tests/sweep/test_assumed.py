@@ -63,9 +63,9 @@ def test_assumed_values_of_no_datasheet_are_refused(sweep):
 
 
 def test_draws_whose_machine_cannot_be_built_are_named_and_counted(sweep):
-    scatter = sweep(
-        SCATTER.replace("runs = 4", "runs = 16"), library.machines()["marder"].read_text(encoding="utf-8")
-    )
+    # with a shoe less, some of the drawn idlers stand in the last road wheel
+    marder = library.machines()["marder"].read_text(encoding="utf-8").replace("shoes = 78", "shoes = 77")
+    scatter = sweep(SCATTER.replace("runs = 4", "runs = 16"), marder)
     with pytest.warns(ImplausibleWarning) as warned:
         planned = scatter.planned
     unbuilt = [run for run in planned if run.obstacle]
