@@ -135,7 +135,7 @@ def swept(name, value):
     """Sweep of ten runs with one answer."""
     table = pd.DataFrame({"run": range(7, 17), "folder": "1a2b", "status": "done", ANSWER.label: value})
     table.attrs = {"units": {ANSWER.label: "N"}}
-    return SimpleNamespace(table=table, sweep=SAMPLE, folder=Path("results") / name)
+    return SimpleNamespace(table=table, sweep=SAMPLE, folder=Path("results") / name, check_answers=lambda: "")
 
 
 POWERS = pd.DataFrame(
@@ -181,7 +181,9 @@ FAKES = {
         "exudyn_crawler.views.pages.life.life_lines": result(["90 % of the shoes see no crack"]),
     },
     "check shoe.toml": {
-        "exudyn_crawler.life_run.check_cases": result(SimpleNamespace(worst_cycles=CYCLES, check=CHECK)),
+        "exudyn_crawler.life_run.check_cases": result(
+            SimpleNamespace(worst_cycles=CYCLES, by_region=CYCLES, check=CHECK)
+        ),
         "exudyn_crawler.views.pages.life.check_lines": result(["first to crack: wings"]),
     },
     "scatter sample.toml": {"exudyn_crawler.sweep.running.run_sweep": result(swept("sample", 1.2345678e6))},
