@@ -10,7 +10,7 @@ A changed file is at fault where it
 
 - ends in anything but a result, bad input or a run that stopped, in a crash of the process, or takes more
   than `LONGEST` of processor time,
-- says more than three lines of errors (four of a file that is cut off), none that names the file or the key, or
+- says more than three lines of errors (four of a cut file), none that names the file or the key, or
   a line that is longer than `WIDEST`,
 - is silent: a number of physics is a thousand times larger or smaller, or has the other sign, is taken, and
   the first warning does not name its section. `ANY` lists keys for which such a number is no mistake, with
@@ -277,7 +277,8 @@ def faults(kind: Kind, change: Changed, ends: Sequence[Outcome]) -> Iterator[str
                 yield f"a line of {len(line)} characters: {line[:200]}"
         if end.others:
             yield f"says {end.others[:2]}"
-    # a file that is cut off may lack parts of several tables; a third line says what is left of another machine
+    # a third line says what is left of another machine
+    # and a file that is cut off may lack parts of several tables
     most = 4 if change.what.startswith("cut") else 3
     if last.code and not 1 <= len(last.errors) <= most:
         yield f"{len(last.errors)} lines of errors: {last.errors[:3]}"
