@@ -1,8 +1,7 @@
 """Stress over long histories: recovery, extremes, hot spots, and verdicts on their accuracy.
 
-How the search for extremes works
----------------------------------
-The entry is `extremes.recover_extremes`. It returns the greatest and the least von Mises stress of each
+The search for extremes: the entry is `extremes.recover_extremes`.
+It returns the greatest and the least von Mises stress of each
 node over time, and the highest stress over the nodes at each time. The result is that of a computation of
 every stress at every time in double precision. Three steps for each segment of the history avoid most of
 that work:
