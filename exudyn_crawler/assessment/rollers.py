@@ -87,10 +87,10 @@ def end_load(load: Numbers, centre: Numbers, places: Floats) -> Floats:
 
 
 def corner_load(weight: Numbers, ahead: Numbers, aside: Numbers, length: float, gauge: float) -> Numbers:
-    """Return the greatest load (N) of a corner on a stone: V (1/2 + min(|x| / L, |y| / B)).
+    """Return the greatest load (N) of a corner on a stone: V (1/2 + min(abs(x) / L, abs(y) / B)).
 
     The machine is rigid and stands on its corners at (+-L / 2, +-B / 2), which only push. The end of a corner
-    bears V (1/2 + |x| / L) and its track V (1/2 + |y| / B), for any shares of the corners. The corner bears
+    bears V (1/2 + x / L) and its track V (1/2 + y / B), for any shares of the corners. The corner bears
     the lesser of both if its neighbour there bears nothing (statics; derived).
     """
     off = np.minimum(np.abs(ahead) / length, np.abs(aside) / gauge)
