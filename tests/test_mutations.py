@@ -32,7 +32,7 @@ def judged(kinds, count, folder, run=False):
 
 
 @pytest.mark.filterwarnings("default")
-def test_changed_files_are_taken_with_a_warning_or_refused_in_a_few_lines(tmp_path):
+def test_changed_files_are_taken_with_a_warning_or_refused_in_two_lines(tmp_path):
     told, silent, ends = judged(quick_kinds(), FAST, tmp_path)
     assert told == []
     assert silent == []
@@ -42,7 +42,7 @@ def test_changed_files_are_taken_with_a_warning_or_refused_in_a_few_lines(tmp_pa
 
 @pytest.mark.slow
 @pytest.mark.filterwarnings("default")
-def test_a_thousand_changed_files_run_or_are_refused_in_a_few_lines(tmp_path):
+def test_a_thousand_changed_files_run_or_are_refused_in_two_lines(tmp_path):
     told, silent, ends = judged(all_kinds(tmp_path), 1000, tmp_path, run=True)
     assert told == []
     # some of a thousand such values are plausible, and not yet among those that may be any

@@ -329,14 +329,14 @@ READ_IN: dict[str, dict[str, float]] = {
 def quantity_text(value: float, unit: str) -> str:
     """Return the text of a quantity with four digits and a unit for readers: 35.37 t, 140 mm."""
     name = read_unit(value, unit)
-    return f"{_four_digits(value / READ_IN.get(unit, {}).get(name, 1.0))} {name}".rstrip()
+    return f"{four_digits(value / READ_IN.get(unit, {}).get(name, 1.0))} {name}".rstrip()
 
 
 def span_text(least: float, greatest: float, unit: str) -> str:
     """Return the text of a span with four digits, in the unit of its end: 0.8188 to 4.094 m."""
     name = read_unit(greatest, unit)
     size = READ_IN.get(unit, {}).get(name, 1.0)
-    return f"{_four_digits(least / size)} to {_four_digits(greatest / size)} {name}".rstrip()
+    return f"{four_digits(least / size)} to {four_digits(greatest / size)} {name}".rstrip()
 
 
 def read_unit(value: float, unit: str) -> str:
@@ -345,7 +345,8 @@ def read_unit(value: float, unit: str) -> str:
     return next((name for name, size in units.items() if abs(value) >= size), [*units][-1])
 
 
-def _four_digits(value: float) -> str:
+def four_digits(value: float) -> str:
+    """Return the text of a number with four digits, without an exponent up to six places."""
     return f"{float(f'{value:.4g}'):g}"
 
 
@@ -437,10 +438,10 @@ def _likely_units(value: float, unit: str, span: tuple[float, float]) -> list[st
 
 def meant(value: float, unit: str, span: tuple[float, float]) -> str:
     """Suggest a likely meaning of a value outside a span: another unit, or a slipped decimal point."""
-    likely = [f"{_four_digits(value)} {name}" for name in _likely_units(value, unit, span)]
+    likely = [f"{four_digits(value)} {name}" for name in _likely_units(value, unit, span)]
     if not likely:
         tens = [value * power for power in TENS if span[0] <= value * power <= span[1]]
         name = read_unit(value, unit)
         size = READ_IN.get(unit, {}).get(name, 1.0)
-        likely = [f"{_four_digits(ten / size)} {name}".rstrip() for ten in tens[:1]]
+        likely = [f"{four_digits(ten / size)} {name}".rstrip() for ten in tens[:1]]
     return f"; did you mean {' or '.join(likely)}?" if likely else ""

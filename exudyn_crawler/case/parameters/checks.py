@@ -145,8 +145,8 @@ def out_of_range(parameters: BaseModel) -> Iterator[str]:
         if not least <= worst <= greatest:
             unit = f" {entry.unit}" if entry.unit else ""
             cause = fields.likely_cause(worst, entry.field)
-            size = float(f"{worst:.4g}")
-            yield f"{entry.path}: {size:g}{unit} is outside of {least:g} to {greatest:g}{unit}{cause}"
+            size = f"{fields.four_digits(worst)}{unit}"
+            yield f"{entry.path}: {size} is outside of {least:g} to {greatest:g}{unit}{cause}"
 
 
 def implausible(case: Case, duration: float | None = None) -> Iterator[str]:

@@ -1,17 +1,17 @@
 """Plausible ranges of printed and derived figures for kinds and weights of machines: `plausible.csv`."""
 
-import csv
 import math
 from collections.abc import Callable, Iterator
 from functools import cache
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from exudyn_crawler.case.ph4100c import GRAVITY
 from exudyn_crawler.machines.datasheet import rules, typical
 from exudyn_crawler.machines.datasheet.chain import Chain
 from exudyn_crawler.machines.datasheet.sheet import Datasheet
 from exudyn_crawler.settings import fields
+from exudyn_crawler.settings.rows import read_rows
 
 TABLE = Path(__file__).with_name("plausible.csv")
 WEIGHT = "operating_weight"
@@ -96,14 +96,7 @@ def sizes_of(sheet: Datasheet, follows: Following | None = None) -> Sizes:
 @cache
 def table() -> dict[tuple[str, str], Plausible]:
     """Return all rows by name and kind of machine."""
-    with TABLE.open(encoding="utf-8", newline="") as file:
-        rows = [_row(texts) for texts in csv.DictReader(file)]
-    return {(row.name, row.of): row for row in rows}
-
-
-def _row(texts: dict[str, Any]) -> Plausible:
-    """Return a row from its texts by column."""
-    return Plausible(**(texts | {name: float(texts[name]) for name in ("low", "high")}))
+    return {(row.name, row.of): row for row in read_rows(TABLE, Plausible)}
 
 
 def row_of(name: str, kind: str | None) -> Plausible | None:

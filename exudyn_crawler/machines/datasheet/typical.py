@@ -1,6 +1,5 @@
 """Typical values of undercarriages, with range, source and state of knowledge: `typical.csv`."""
 
-import csv
 from functools import cache
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -8,6 +7,7 @@ from typing import Any, NamedTuple
 import pydantic
 
 from exudyn_crawler.settings.parameters import Parameters, quantity
+from exudyn_crawler.settings.rows import read_rows
 
 TABLE = Path(__file__).with_name("typical.csv")
 OF_SIZES = ("pitch", "length", "rail", "weight", "diameter")  # reference sizes of values
@@ -31,15 +31,7 @@ class TypicalValue(NamedTuple):
 @cache
 def table() -> dict[tuple[str, str], TypicalValue]:
     """Return all rows by name and kind of machine."""
-    with TABLE.open(encoding="utf-8", newline="") as file:
-        rows = [_row(texts) for texts in csv.DictReader(file)]
-    return {(row.name, row.of): row for row in rows}
-
-
-def _row(texts: dict[str, Any]) -> TypicalValue:
-    """Return a row from its texts by column."""
-    numbers = {name: float(texts[name]) for name in ("value", "low", "high")}
-    return TypicalValue(**(texts | numbers))
+    return {(row.name, row.of): row for row in read_rows(TABLE, TypicalValue)}
 
 
 @cache

@@ -1,12 +1,12 @@
 """Quantities of results: the rows of `quantities.csv`, with values in the types of their columns."""
 
-import csv
-from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Literal, get_type_hints
+from typing import Literal
 
 import numpy as np
+
+from exudyn_crawler.settings.rows import read_rows
 
 TABLE = Path(__file__).with_name("quantities.csv")
 """Table with a column for each field of `Quantity`; spaces separate several words in a cell."""
@@ -87,25 +87,5 @@ class Quantity:
         return np.dtype(DTYPES[self.numbers])
 
 
-def _value(text: str, kind: object) -> object:
-    """Return the value of a cell in the type of its column."""
-    if kind == tuple[str, ...]:
-        return tuple(text.split())
-    if kind is bool:
-        return text == "yes"
-    if kind == int | None:
-        return int(text) if text else None
-    return text
-
-
-def _rows() -> Iterator[Quantity]:
-    """Yield the rows of the table."""
-    kinds = get_type_hints(Quantity)
-    with TABLE.open(encoding="utf-8", newline="") as file:
-        for row in csv.DictReader(file):
-            values: dict[str, Any] = {name: _value(text, kinds[name]) for name, text in row.items()}
-            yield Quantity(**values)
-
-
-QUANTITIES = {row.name: row for row in _rows()}
+QUANTITIES = {row.name: row for row in read_rows(TABLE, Quantity)}
 """Every quantity by the name of its variable."""
