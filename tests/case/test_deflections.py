@@ -45,6 +45,11 @@ CARRIER = read_case(LIBRARY / "m113.toml").case
             "track, on both sides, 1.29 MN, more than 0.5 of a lug's radius, 0.045 m; it is in N/m",
         ),
         (
+            M113,
+            {"gear.tumbler.lugs": ((-0.0535, 0.0), (-0.061, 0.0))},
+            "gear.tumbler.lugs: lugs of 15 mm radius stand 7.5 mm apart and overlap",
+        ),
+        (
             EXCAVATOR,
             {"gear.tumbler.damping": 9e6},
             "gear.tumbler.damping: 9e+06 N s/m is 41.3 times the critical",

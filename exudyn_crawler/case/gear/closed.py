@@ -1,5 +1,7 @@
 """Closed gear: a track goes round tumbler, idler and rollers of its side frame."""
 
+import itertools
+import math
 from collections.abc import Iterator
 from typing import ClassVar, Literal, Self
 
@@ -175,9 +177,18 @@ class Closed(ClosedFrame):
         yield from sizes.thin_inertia(*turning)
         yield from super().implausible(shoe, chain)
         yield from self.odd_treads(self.roller_radius)
+        yield from self._odd_lugs()
         yield from self._odd_contacts(shoe, chain)
         yield from self._other_pitch(chain)
         yield from odd_rails(shoe, chain, self.roller_radius)
+
+    def _odd_lugs(self) -> Iterator[str]:
+        """Yield a warning for lugs of a shoe that overlap each other."""
+        tumbler = self.tumbler
+        apart = min((math.dist(*pair) for pair in itertools.combinations(tumbler.lugs, 2)), default=math.inf)
+        if apart < 2.0 * tumbler.lug_radius:
+            lugs = f"lugs of {1e3 * tumbler.lug_radius:.4g} mm radius stand {1e3 * apart:.4g} mm apart"
+            yield f"gear.tumbler.lugs: {lugs} and overlap; is a sign of their x missing?"
 
     def _odd_contacts(self, shoe: Shoe, chain: Track) -> Iterator[str]:
         """Yield a warning for implausible deflection or damping of teeth, flanges and the idler's spring."""
