@@ -126,7 +126,7 @@ def random_machine(rng):
         ),
         drive=travel.TrackDrive(rng.uniform(0.2, 0.6) * weight * pitch, 1.5 * pitch, rng.uniform(0.8, 1.0)),
         power=rng.uniform(0.05, 0.3) * weight,
-        inputs=[],
+        ruled={},
     )
 
 
