@@ -26,7 +26,10 @@ from .results.history.history import History as History
 from .results.life.duty import Duty as Duty
 from .results.life.duty import FatigueMaterial as FatigueMaterial
 from .results.life.duty import read_duty as read_duty
+from .results.wear.plan import WearPlan as WearPlan
+from .results.wear.plan import read_wear as read_wear
 from .results.stress.recovery import recover_stresses as recover_stresses
 from .run.solve.simulation import simulate as simulate
 from .views.pages.report import write_report as write_report
 from .views.scenes.films import write_animation as write_animation
+from .wear_run import wear as wear

@@ -19,6 +19,8 @@ CRACKED = ("region", "cycles to a crack", "from", "to", "an hour", "above yield"
 """Key columns of a check's cycles to a crack."""
 ASSESSED = ("item", "utilisation", "within", "load case", "group", "number", "limit", "unit")
 """Key columns of an assessment."""
+WORN = ("part", "worn in %", "machine hours left", "at least", "at most", "about", "action")
+"""Key columns of a wear forecast."""
 WHY = "what makes a difference"
 """Column of formulas beside runs, too wide for a terminal."""
 
@@ -249,6 +251,22 @@ def life(
     print_table(in_words(result.table), title, LIVES, whole)
     typer.echo("\n".join(life_lines(result)))
     typer.echo(f"life, tables, fields and page (life.html) are in {folder}")
+
+
+@command("exudyn-crawler wear excavator_wear.toml --out results/excavator_wear")
+def wear(
+    file: Annotated[Path, application.file_argument(help="file of a wear forecast", metavar="WEAR.toml")],
+    out: application.OfName = None,
+    overwrite: application.Overwrite = False,
+) -> None:
+    """Forecast the wear of the undercarriage: percent worn and residual hours by inspections, what is due."""
+    plan = crawler.read_wear(file)  # refused before slow imports
+    folder = out or application.RESULTS / file.stem
+    found = crawler.wear(plan, folder, overwrite=overwrite)
+    if found.forecast is not None:
+        print_table(found.forecast.table, f"{plan.name}: what is due first", WORN, folder / "due.csv")
+    typer.echo("\n".join(found.lines))
+    typer.echo(f"tables, drawings and page are in {folder}; wear.html: open it in a browser")
 
 
 Unit = Annotated[

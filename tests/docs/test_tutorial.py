@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 PAGE = Path(__file__).parents[2] / "docs/tutorial.md"
-BLOCK = re.compile(r"^```(toml|sh)\n(.*?)^```", re.MULTILINE | re.DOTALL)
+BLOCK = re.compile(r"^```(toml|csv|sh)\n(.*?)^```", re.MULTILINE | re.DOTALL)
 LEFT = (
     "results/mine/report.html",
     "results/turn/report.html",
@@ -17,17 +17,18 @@ LEFT = (
     "results/mine_shoe/report.html",
     "results/turn_shoe/report.html",
     "results/duty/life.html",
+    "results/chain/wear.html",
 )
 """Files that the page speaks of."""
 
 
 @pytest.mark.slow
 @pytest.mark.simulation
-def test_commands_of_the_tutorial_go_from_a_datasheet_to_a_life(tmp_path):
+def test_commands_of_the_tutorial_go_from_a_datasheet_to_a_life_and_wear(tmp_path):
     pytest.importorskip("netgen")
     for language, text in BLOCK.findall(PAGE.read_text(encoding="utf-8")):
-        if language == "toml":
-            (tmp_path / re.match(r"# (\w+\.toml)\n", text)[1]).write_text(text)
+        if language != "sh":
+            (tmp_path / re.match(r"# (\w+\.(?:toml|csv))\n", text)[1]).write_text(text)
             continue
         for line in text.splitlines():
             program, *words = shlex.split(line, comments=True)

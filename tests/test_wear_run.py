@@ -1,0 +1,79 @@
+"""Wear forecasts into a folder, in Python and by the command."""
+
+import pandas as pd
+import pytest
+from typer.testing import CliRunner
+
+from exudyn_crawler import read_wear, wear
+from exudyn_crawler.errors import CaseFileError
+from exudyn_crawler.wear_run import WEAR_FILES
+
+PLAN = """
+inspections = "seen.csv"
+
+[[parts]]
+part = "pitch"
+new = "216 mm"
+
+[[parts]]
+part = "roller"
+new = "180 mm"
+limit = "165 mm"
+"""
+SEEN = """date,machine hours,propel hours,part,side,place,value in mm,links
+2024-02-10,800,80,pitch,right,,866.1,4
+2024-02-10,800,80,pitch,left,,866.5,4
+2024-07-02,1600,160,pitch,right,,868.6,4
+2024-07-02,1600,160,pitch,left,,869.3,4
+2024-12-12,2400,240,pitch,right,,871.2,4
+2024-12-12,2400,240,pitch,left,,872.6,4
+2024-12-12,2400,240,roller,right,3,178.1,
+"""
+
+
+@pytest.fixture
+def plan(tmp_path):
+    (tmp_path / "seen.csv").write_text(SEEN)
+    (tmp_path / "mine.toml").write_text(PLAN)
+    return tmp_path / "mine.toml"
+
+
+def test_inspections_alone_give_residual_hours_and_a_page(plan, tmp_path):
+    found = wear(plan, tmp_path / "out")
+    assert {path.name for path in (tmp_path / "out").iterdir()} == set(WEAR_FILES)
+    table = pd.read_csv(tmp_path / "out" / "due.csv")
+    assert table["part"].tolist() == ["left pitch", "right pitch", "right roller 3"]
+    left = table.iloc[0]
+    # 8.6 of the 3.78 mm x 4 at which pins and bushes are turned
+    assert left["worn in %"] == pytest.approx(100.0 * 8.6 / (4.0 * 216.0 * 0.0175), rel=0.03)
+    assert left["at least"] < left["machine hours left"] < left["at most"]
+    # a tenth of the machine hours is travel
+    assert left["machine hours left"] == pytest.approx(10.0 * (left["life in propel hours"] - 240.0))
+    assert "turn pins and bushes in" in found.lines[0]
+    assert "no band from one reading" not in found.lines[0]
+    page = (tmp_path / "out" / "wear.html").read_text()
+    assert "What is due, and when" in page
+    with pytest.raises(FileExistsError):
+        wear(plan, tmp_path / "out")
+
+
+def test_a_plan_without_what_is_needed_is_refused(plan):
+    plan.write_text(PLAN.replace('limit = "165 mm"', ""))
+    with pytest.raises(CaseFileError, match="limit must be given for a part 'roller': makers differ"):
+        read_wear(plan)
+    plan.write_text(PLAN.partition('[[parts]]\npart = "roller"')[0])
+    with pytest.raises(ValueError, match="parts must have a table for 'roller', which row 7"):
+        wear(plan)
+    plan.write_text(PLAN.replace("216 mm", "220 mm").replace("[[parts]]", '[[parts]]\nlimit = "219 mm"', 1))
+    with pytest.raises(CaseFileError, match=r"limit must be above new = 0\.22 m"):
+        read_wear(plan)
+
+
+def test_the_command_prints_what_is_due_first(plan, tmp_path):
+    from exudyn_crawler.cli import commands, looking
+
+    assert looking.wear
+    result = CliRunner().invoke(commands.app, ["wear", str(plan), "--out", str(tmp_path / "out")])
+    assert result.exit_code == 0, result.output
+    assert "left pitch" in result.output
+    assert "wear.html" in result.output
