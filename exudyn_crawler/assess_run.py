@@ -13,6 +13,7 @@ from exudyn_crawler.machines.datasheet.ledger import ledger_of, stated_ledger
 from exudyn_crawler.origins import Ledger
 from exudyn_crawler.results.history import History
 from exudyn_crawler.run.folder import record
+from exudyn_crawler.settings import fields
 from exudyn_crawler.views import assessment as drawings, style, tables
 from exudyn_crawler.views.pages import assessment as pages
 
@@ -93,7 +94,8 @@ def _odd_payload(case: Case, settings: AssessmentSettings) -> Iterator[str]:
     payload = settings.work.payload or 0.0
     mass = case.gear.whole_mass(case)
     if 0.0 < payload < LEAST_PAYLOAD * mass:
-        share = f"{payload:g} kg is {payload / mass:.2g} of the machine's {mass:.4g} kg"
+        whole = fields.quantity_text(mass, "kg")
+        share = f"{payload:g} kg is {payload / mass:.2g} of the machine's {whole}"
         yield f"work.payload: {share}; is it in t? It has to be in kg"
 
 

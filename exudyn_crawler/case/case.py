@@ -86,7 +86,7 @@ class Case(NamedCases):
         reduced = self.terrain_formulation == "reduced"
         small = terrain.unit_length < shoe.length or terrain.unit_width < shoe.width
         if isinstance(contact, PairContact) and contact.normal == "area" and small:
-            sides = f"{terrain.unit_length:g} x {terrain.unit_width:g} m, smaller than a shoe"
+            sides = f"{terrain.unit_length:.4g} x {terrain.unit_width:.4g} m, smaller than a shoe"
             yield f"contact.normal must be 'face' on units of {sides}: they push each other"
         if not terrain.is_even and not reduced:
             yield "terrain_formulation must be 'reduced' on a terrain.relief, got 'constrained'"
@@ -94,7 +94,8 @@ class Case(NamedCases):
     def _sphere_errors(self, contact: SphereContact) -> Errors:
         """Yield an error for loads that lift the shoes, and for spheres of a wrong size."""
         if not self.mean_load > 0.0:
-            yield f"loads must press the shoes down on the whole, got {self.mean_load:g} N a shoe"
+            load = fields.quantity_text(self.mean_load, "N")
+            yield f"loads must press the shoes down on the whole, got {load} a shoe"
         # for the greatest load of a shoe, on linear spheres
         load = max(max(phase.loads) for phase in self.loads.phases)
         depth = self.settled_penetration * float(self.pressed(load)) / self.mean_load

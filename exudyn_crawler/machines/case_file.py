@@ -236,7 +236,8 @@ def run_lines(case_file: CaseFile) -> list[str]:
         # a case without its own mesh need not wait for the reading of one
         volume = geometry.VOLUMES[mesh] if mesh in geometry.VOLUMES else mesh_named(mesh).volume
         mass = volume * case.flexible.density
-        weigh = f"rigid ones weigh {shoe.mass:.6g} kg each, flexible ones {mass:.6g} kg"
+        each, flexible = (fields.quantity_text(one, "kg") for one in (shoe.mass, mass))
+        weigh = f"rigid ones weigh {each} each, flexible ones {flexible}"
         ratio = mass / shoe.mass
         more = f"{100.0 * (ratio - 1.0):+.2g} %" if ratio < MANIFOLD else f"{ratio:.3g} times as much"
         lines.append(f"shoes: {weigh} ({more}), as their mesh and density make them")

@@ -25,8 +25,9 @@ LONGEST_TABLE, MOST_DRAWN, MOST_CURVES = 500, 5000, 12
 HEIGHT, ACROSS = 420, 6  # pixels of a row of panels, and panels in it at most
 FEW_TICKS = {"nticks": 4, "tickangle": 0}
 SCATTER = {
-    "quantiles": "Quantiles of the finished runs; least and most are their 95 % bounds for "
-    "independent draws. Where those of a quarter or of half of the runs lie beyond these bounds, draw more.",
+    "quantiles": "Quantiles of the finished runs, {finished} of {drawn} that were drawn; least and most are "
+    "their 95 % bounds for independent draws. Where those of a quarter or of half of the runs lie beyond "
+    "these bounds, draw more.",
     "failures": "Shoes that crack, by answers of life: every run is a shoe.",
     "sensitivities": "Rank correlations (Spearman): 1 or -1 where one value alone decides. The probability "
     "of as great a correlation by chance is in sensitivities.csv.",
@@ -104,8 +105,11 @@ def _scatter(sweep: AnySweep, table: pd.DataFrame) -> Markup:
     # adding 0.0 turns -0.0 to 0.0
     tables["sensitivities"] = (ranks.loc[order, answers].round(2) + 0.0).reset_index()
     parts = [] if tables["quantiles"].empty else [distribution_figure(sweep, table, tables["quantiles"])]
+    counts = {"finished": len(results.finished(table)), "drawn": len(table)}
     shown = [(said, tables[name]) for name, said in SCATTER.items() if not tables[name].empty]
-    texts = [part for said, rows in shown for part in (page.paragraph(said), page.table(rows))]
+    texts = [
+        part for said, rows in shown for part in (page.paragraph(said.format(**counts)), page.table(rows))
+    ]
     return page.together(*map(page.plot, parts), *texts)
 
 

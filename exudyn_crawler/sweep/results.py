@@ -148,8 +148,9 @@ def scatter_tables(sweep: AnySweep, table: pd.DataFrame) -> dict[str, pd.DataFra
 def quantiles(sweep: AnySweep, table: pd.DataFrame) -> pd.DataFrame:
     """Return the quantiles of every answer over the finished runs, with bounds and those of fewer runs.
 
-    Columns are answer, unit, runs, portion below, value, least and most (of `CONFIDENCE`; NaN if there are
-    too few runs), and the value of the first quarter and of the first half of the runs.
+    Columns are answer, unit, runs (those with the answer), drawn (all of them), portion below, value, least
+    and most (of `CONFIDENCE`; NaN if there are too few runs), and the value of the first quarter and of the
+    first half of the runs.
     """
     done = finished(table)
     units = table.attrs["units"]
@@ -160,10 +161,10 @@ def quantiles(sweep: AnySweep, table: pd.DataFrame) -> pd.DataFrame:
         for portion in PORTIONS if len(values) else ():
             quarter, half, value = (float(np.quantile(part, portion)) for part in parts)
             bounds = quantile_test(values, q=value, p=portion).confidence_interval(CONFIDENCE)
-            first = (answer.label, units[answer.label], len(values), portion, value)
+            first = (answer.label, units[answer.label], len(values), len(table), portion, value)
             rows.append((*first, bounds.low, bounds.high, quarter, half))
-    columns = ["answer", "unit", "runs", "portion below", "value", "least", "most", "of a quarter", "of half"]
-    return pd.DataFrame(rows, columns=columns)
+    of_all = ["value", "least", "most", "of a quarter", "of half"]
+    return pd.DataFrame(rows, columns=["answer", "unit", "runs", "drawn", "portion below", *of_all])
 
 
 def sensitivities(sweep: AnySweep, table: pd.DataFrame) -> pd.DataFrame:

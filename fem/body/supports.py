@@ -168,7 +168,7 @@ class OneSidedBed:
     def _check(self, load: Floats, supported: NDArray[np.bool_]) -> None:
         """Refuse loads that pull upward or whose resultant lies outside the supported points."""
         if load[0] >= 0.0:
-            raise ValueError(f"loads on springs must press downward, got {load[0]:.6g} N upward")
+            raise ValueError(f"loads on springs must press downward, got {load[0]:.4g} N upward")
         point = self._center + np.array([-load[2], load[1]]) / load[0]
         try:
             edges = ConvexHull(self.points.positions[supported, :2]).equations

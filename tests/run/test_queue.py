@@ -2,6 +2,7 @@
 
 import json
 import os
+import signal
 import subprocess
 import sys
 import time
@@ -91,6 +92,28 @@ def test_runs_start_one_after_the_other_as_processes_that_outlive_the_page(runs,
     later.stop("first")
     runs._started["first"].wait(10)
     assert later.named("first").status == STOPPED
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="needs locks that a process inherits")
+def test_a_run_that_starts_is_at_work_for_a_page_that_begins_anew(runs, monkeypatch):
+    # a process that has not come so far as to hold its folder
+    monkeypatch.setattr(queue, "COMMAND", (sys.executable, "-c", "import time; time.sleep(60)"))
+    for name in ("first", "second"):
+        runs.add(CASE, name)
+    # what a process of before has left
+    noted(runs.folder / "first", status="stopped", process=os.getpid())
+    runs.start_next()
+    later = Runs(runs.folder.parent)
+    assert later.named("first").status == RUNNING
+    later.start_next()
+    assert later.named("second").status == WAITING
+    later.stop("first")
+    assert runs._started["first"].wait(10) == -signal.SIGTERM
+    assert later.named("first").status == STOPPED
+    later.start_next()
+    assert later.named("second").status == RUNNING
+    later.stop("second")
+    later._started["second"].wait(10)
 
 
 def test_one_process_has_the_queue_of_a_folder(runs):

@@ -1,10 +1,12 @@
 """Sweeps over what is assumed of a machine from its datasheet."""
 
+import numpy as np
 import pytest
 
 from exudyn_crawler.errors import CaseFileError, ImplausibleWarning
 from exudyn_crawler.machines.datasheet import library
 from exudyn_crawler.sweep.definition import read_sweep
+from exudyn_crawler.sweep.page import sweep_page
 from exudyn_crawler.sweep.results import results_table, scatter_tables
 from exudyn_crawler.sweep.running import run_sweep
 
@@ -65,12 +67,12 @@ def test_assumed_values_of_no_datasheet_are_refused(sweep):
 def test_draws_whose_machine_cannot_be_built_are_named_and_counted(sweep):
     # with a shoe less, some of the drawn idlers stand in the last road wheel
     marder = library.machines()["marder"].read_text(encoding="utf-8").replace("shoes = 78", "shoes = 77")
-    scatter = sweep(SCATTER.replace("runs = 4", "runs = 16"), marder)
+    scatter = sweep(SCATTER.replace("runs = 4", "runs = 32"), marder)
     with pytest.warns(ImplausibleWarning) as warned:
         planned = scatter.planned
     unbuilt = [run for run in planned if run.obstacle]
-    assert 0 < len(unbuilt) < len(planned) == 16
-    told = f"{len(unbuilt)} of 16 draws cannot be built and are left out: runs {unbuilt[0].number}"
+    assert 0 < len(unbuilt) < len(planned) == 32
+    told = f"{len(unbuilt)} of 32 draws cannot be built and are left out: runs {unbuilt[0].number}"
     assert any(str(one.message).startswith(told) for one in warned)
     outcomes = {
         run.digest: {"status": "done", "answers": {"tension": float(run.number)}}
@@ -80,8 +82,14 @@ def test_draws_whose_machine_cannot_be_built_are_named_and_counted(sweep):
     table = results_table(scatter, outcomes)
     assert (table["status"] == "not built").sum() == len(unbuilt)
     assert table.set_index("run").loc[unbuilt[0].number, "reason"] == unbuilt[0].obstacle
-    if len(outcomes) >= 10:
-        assert set(scatter_tables(scatter, table)["quantiles"]["runs"]) == {len(outcomes)}
+    quantiles = scatter_tables(scatter, table)["quantiles"]
+    assert set(quantiles["runs"]) == {len(outcomes)}
+    assert set(quantiles["drawn"]) == {32}
+    tensions = sorted(outcome["answers"]["tension"] for outcome in outcomes.values())
+    assert quantiles.set_index("portion below")["value"][0.5] == np.median(tensions)
+    page = sweep_page(scatter, table, {})
+    assert f"{len(outcomes)} done, {len(unbuilt)} not built" in page
+    assert f"Quantiles of the finished runs, {len(outcomes)} of 32 that were drawn" in page
 
 
 @pytest.mark.slow

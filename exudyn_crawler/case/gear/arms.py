@@ -69,5 +69,5 @@ def arm_errors(arms: Sequence[Arm], rollers: Sequence[float], carried: set[int])
             yield f"{name}.roller must not be another's, {taken[arm.roller]} has roller {arm.roller}"
         taken[arm.roller] = name
         if arm.pivot[0] == rollers[arm.roller - 1]:
-            beside = f"behind or ahead of its roller at x = {rollers[arm.roller - 1]:g} m"
+            beside = f"behind or ahead of its roller at x = {rollers[arm.roller - 1]:.4g} m"
             yield f"{name}.pivot must be {beside}, got {list(arm.pivot)}"

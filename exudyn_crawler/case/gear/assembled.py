@@ -202,7 +202,7 @@ def _closed(
             raise
         makers = MAKERS_SAG * float(closed.upper_spans[-1])
         raise assembly.MisfitError(
-            f"a chain of {count} shoes of {pitch:.6g} m has no idler.sag of {closed.idler.sag:g} m at rest; "
+            f"a chain of {count} shoes of {pitch:.4g} m has no idler.sag of {closed.idler.sag:g} m at rest; "
             f"makers ask for {100.0 * MAKERS_SAG:g} % of the span, {makers:.3g} m"
         ) from error
     return fixed, sag, 0.0, loop.belt(fixed, sag)

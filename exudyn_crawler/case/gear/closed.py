@@ -147,8 +147,8 @@ class Closed(ClosedFrame):
         if self.slides and np.any(near):
             places = ", ".join(f"{place:.4g}" for place in x[near.argmax() :][:3])
             yield (
-                f"slide_step, slides and carriers must leave every rail, which is {length:g} m long, on two "
-                f"of their lines at once, got three at x = {places} m; "
+                f"slide_step, slides and carriers must leave every rail, which is {length:.4g} m long, on "
+                f"two of their lines at once, got three at x = {places} m; "
                 f"lines at least {0.5 * (length + SLIDE_MARGIN):.3g} m apart do"
             )
         yield from self.tumbler.tooth_errors(chain)

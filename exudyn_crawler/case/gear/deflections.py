@@ -66,7 +66,8 @@ def over_damped(path: str, damping: float, stiffness: float, mass: float) -> Ite
     critical = 2.0 * math.sqrt(stiffness * mass)
     if damping > MOST_DAMPED * critical:
         times = f"{damping / critical:.3g} times the critical one of {mass:.4g} kg"
-        yield f"{path}: {damping:g} N s/m is {times}, more than {MOST_DAMPED:g}; it is in N s/m"
+        size = fields.four_digits(damping)
+        yield f"{path}: {size} N s/m is {times}, more than {MOST_DAMPED:g}; it is in N s/m"
 
 
 def idler_spring(path: str, spring: Tensioner | Recoil, pitch: float, chain: float) -> Iterator[str]:
@@ -100,10 +101,12 @@ def arm_spring(path: str, arm: Arm, roller: float, load: float) -> Iterator[str]
         units = "torque is in N m, stiffness in N m/rad"
         yield f"{path}: under an even share of the weight, {_newtons(load)}, {turns}; {units}"
     if arm.stop is not None and arm.stop_stiffness < arm.stiffness:
-        softer = f"{arm.stop_stiffness:g} N m/rad is softer than the spring's {arm.stiffness:g}"
+        stop, spring = map(fields.four_digits, (arm.stop_stiffness, arm.stiffness))
+        softer = f"{stop} N m/rad is softer than the spring's {spring}"
         yield f"{path}.stop_stiffness: {softer}, so that it stops nothing"
     mass = load / GRAVITY
     critical = 2.0 * lever * math.sqrt(arm.stiffness * mass)
     if arm.damping > MOST_DAMPED * critical:
         times = f"{arm.damping / critical:.3g} times the critical one of {mass:.4g} kg on its roller"
-        yield f"{path}.damping: {arm.damping:g} N m s/rad is {times}, more than {MOST_DAMPED:g}"
+        size = fields.four_digits(arm.damping)
+        yield f"{path}.damping: {size} N m s/rad is {times}, more than {MOST_DAMPED:g}"

@@ -109,7 +109,7 @@ class Machine(Closed):
             yield f"track.shoe_count must be even with gear.kind 'machine', which has two tracks, got {count}"
         if self.support == "posts":
             yield "gear.support must be 'ground' with gear.kind 'machine', which stands on both tracks"
-        width = f"the shoes' width of {case.shoe.width:g} m"
+        width = f"the shoes' width of {case.shoe.width:.4g} m"
         apart = self.car_body.track_distance
         if apart < case.shoe.width:
             yield f"gear.car_body.track_distance must be at least {width}, got {apart:g} m"

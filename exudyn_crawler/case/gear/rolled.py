@@ -46,7 +46,7 @@ class Rolled(base.PH4100C, RunningGear, values=ph4100c.UNDERCARRIAGE):
             yield f"ends must be rear and front end in this order, got {self.ends}"
         yield from overlap_errors("rollers", self.rollers, self.radius)
         if outside := [x for x in self.rollers if not rear + self.radius <= x <= front - self.radius]:
-            ends = f"the frame's ends {self.ends} by their radius {self.radius:g} m"
+            ends = f"the frame's ends {self.ends} by their radius {self.radius:.4g} m"
             yield f"rollers must be within {ends}, got {fields.shown(outside)}"
         if not rear <= self.tumbler <= front:
             yield f"tumbler must be within the frame's ends {self.ends}, got {self.tumbler}"
@@ -88,7 +88,7 @@ class Rolled(base.PH4100C, RunningGear, values=ph4100c.UNDERCARRIAGE):
         assert rails is not None
         gap = chain.pitch - (rails.front - rails.rear)
         if not 0.0 <= gap < 2.0 * self.radius:
-            crossed = f"from 0 to their diameter {2.0 * self.radius:g} m, got {gap:.4g} m"
+            crossed = f"from 0 to their diameter {2.0 * self.radius:.4g} m, got {gap:.4g} m"
             yield f"shoe.rails must leave a gap from shoe to shoe that rollers cross, {crossed}"
         if (count := chain.shoe_count) < FEWEST_SHOES:
             yield f"track.shoe_count must be at least {FEWEST_SHOES} with gear.kind 'rolled', got {count}"

@@ -250,7 +250,7 @@ class RunningGear(Gear):
                 carrier[roller] = number
             rear, front = (self.rollers[roller - 1] for roller in bogie.rollers)
             if not rear < bogie.pivot[0] < front:
-                between = f"between its rollers at x = {rear:g} and {front:g} m"
+                between = f"between its rollers at x = {rear:.4g} and {front:.4g} m"
                 yield f"{name}.pivot must be {between}, got {list(bogie.pivot)}"
 
     def implausible(self, shoe: Shoe, chain: Track) -> Iterator[str]:
@@ -295,7 +295,7 @@ def overlap_errors(wheels: str, places: Sequence[float], radius: float) -> Error
     """Yield an error if wheels at `places` (x, m) are out of order or less than a diameter apart."""
     if np.any(np.diff(places) < 2.0 * radius):
         got = fields.shown(list(places))
-        yield f"{wheels} must stand in order and a diameter {2.0 * radius:g} m apart, got {got}"
+        yield f"{wheels} must stand in order and a diameter {2.0 * radius:.4g} m apart, got {got}"
 
 
 def odd_rails(shoe: Shoe, chain: Track, radius: float) -> Iterator[str]:

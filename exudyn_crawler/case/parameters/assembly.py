@@ -201,6 +201,6 @@ def closed_chain(
         advice = f"no number of shoes fits between {bounds[0]:.4g} and {bounds[1]:.4g} m"
         if left_over(bounds[0], other) >= 0.0 >= left_over(bounds[1], other):
             advice = f"{other} shoes fit"
-        chain = f"a chain of {count} shoes of {pitch:.5g} m"
+        chain = f"a chain of {count} shoes of {pitch:.4g} m"
         raise MisfitError(f"{chain} is too {how} by {length:.4f} m with {what} {value:.4g} m: {advice}")
     return float(brentq(left_over, *bounds, xtol=1e-16, rtol=1e-15))

@@ -56,7 +56,8 @@ def _inertia(case: Case) -> Iterator[str]:
     if radii[0] < LEAST_GYRATION or radii[-1] > GREATEST_GYRATION:
         gives = f"radii of gyration of {radii[0]:.3g} to {radii[-1]:.3g} m"
         plausible = f"{LEAST_GYRATION} to {GREATEST_GYRATION} m; it is in kg m2"
-        yield f"shoe.inertia: with {case.shoe.mass:g} kg it gives {gives}, outside of {plausible}"
+        mass = fields.quantity_text(case.shoe.mass, "kg")
+        yield f"shoe.inertia: with {mass} it gives {gives}, outside of {plausible}"
         return
     reach = sizes.shoe_reach(case.shoe, case.track)
     yield from sizes.wide_inertia("shoe", case.shoe.mass, case.shoe.inertia, reach)
@@ -103,7 +104,7 @@ def _sinking(case: Case) -> Iterator[str]:
         return
     sag = _unit_sag(case, terrain)
     if sag > GREATEST_SAG * terrain.unit_height:
-        half = f"more than half its height of {terrain.unit_height:g} m; the stiffness is in N/m"
+        half = f"more than half its height of {terrain.unit_height:.4g} m; the stiffness is in N/m"
         yield f"terrain.spring_stiffness: a unit sinks by {sag:.3g} m under itself and one shoe, {half}"
 
 

@@ -99,7 +99,7 @@ class SphereContact(Parameters):
             least = f"settled penetration of the most loaded shoe, {depth:.4g} m"
             yield f"contact.radius must exceed the {least}, got {self.radius}"
         if self.radius > 0.25 * side:
-            quarter = f"a quarter of a unit's side, {0.25 * side:g} m"
+            quarter = f"a quarter of a unit's side, {0.25 * side:.4g} m"
             yield f"contact.radius must not exceed {quarter}, got {self.radius}"
 
     @property

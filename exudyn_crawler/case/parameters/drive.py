@@ -128,7 +128,7 @@ class Drive(Parameters):
             yield f"on must be times from 0 s that increase, got {fields.shown(self.on)}"
         for start in times[::2]:
             if abs(speed := float(self.speed.value(start))) > 1e-9:
-                yield f"speed must be zero where the drive goes on, at {start:g} s, got {speed:g} m/s"
+                yield f"speed must be zero where the drive goes on, at {start:g} s, got {speed:.4g} m/s"
 
     @classmethod
     def translation(cls) -> Self:

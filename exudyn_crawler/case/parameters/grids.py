@@ -64,7 +64,7 @@ def read_grid(path: Path, units: Units) -> HeightGrid:
     _refuse_undeclared(z)
     if (farthest := np.nanmax(np.abs(z))) > HIGHEST:
         raise ValueError(
-            f"its heights must be within {HIGHEST:g} m of sea level, got {farthest:.6g} m; "
+            f"its heights must be within {HIGHEST:g} m of sea level, got {farthest:.4g} m; "
             "height_unit says another unit, such as 'mm'"
         )
     return HeightGrid(_even("x", x), _even("y", y), z)

@@ -177,7 +177,7 @@ class MachineCycle(loads.Cycle):
                 yield f"{pose_end} lifts the side frame"
             x, y = moment[1] / -force[2], -moment[0] / -force[2]
             if not rear <= x <= front:
-                span = f"rollers are from {rear:g} to {front:g} m"
+                span = f"rollers are from {rear:.4g} to {front:.4g} m"
                 carried = f"what they carry, {-force[2]:.4g} N without the chain on the ground,"
                 yield f"{pose_end} tips: {span}, {carried} acts at x = {x:.3g} m"
             if abs(y) > aside:

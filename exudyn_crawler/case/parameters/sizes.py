@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from exudyn_crawler.case.parameters import base, track
+from exudyn_crawler.settings import fields
 from exudyn_crawler.settings.parameters import Errors
 
 ROUNDING = 1e-9  # m, tolerance of places at a bound; also a relative one of inertias
@@ -29,10 +30,10 @@ def pin_errors(shoe: track.Shoe, chain: track.Track) -> Errors:
     for name in ("spherical_y", "parallel_y"):
         place = getattr(chain, name)
         if not low - ROUNDING <= place <= high + ROUNDING:
-            width = f"the shoe's width of {shoe.width:g} m, from {low:.6g} to {high:.6g} m"
+            width = f"the shoe's width of {shoe.width:.4g} m, from {low:.4g} to {high:.4g} m"
             yield f"track.{name} must lie within {width}, got {place:g}"
     if chain.pin_height <= underside:
-        above = f"above the shoe's underside at {underside:g} m"
+        above = f"above the shoe's underside at {underside:.4g} m"
         yield f"track.pin_height must be {above}, got {chain.pin_height:g}"
 
 
@@ -45,8 +46,10 @@ def wide_inertia(name: str, mass: float, inertia: base.Six, reach: Sequence[floa
     for component, value, most in zip(COMPONENTS, inertia, mass * (squares.sum() - squares), strict=False):
         if value > most * (1.0 + ROUNDING):
             extent = " x ".join(f"{2.0 * distance:.3g}" for distance in reach)
-            corners = f"more than the {most:.4g} of {mass:g} kg at the corners of {extent} m"
-            yield f"{name}.inertia: {component} is {value:g} kg m2, {corners}; it may be that of another size"
+            whole = fields.quantity_text(mass, "kg")
+            corners = f"more than the {most:.4g} of {whole} at the corners of {extent} m"
+            size = f"{component} is {fields.four_digits(value)} kg m2"
+            yield f"{name}.inertia: {size}, {corners}; it may be that of another size"
 
 
 def shoe_reach(shoe: track.Shoe, chain: track.Track) -> tuple[float, float, float]:
@@ -62,7 +65,7 @@ def thin_inertia(name: str, mass: float, inertia: base.Six) -> Iterator[str]:
     least = 1.2 * mass * radius**2
     trace = sum(inertia[:3])
     if trace < least:
-        moments = f"Ixx + Iyy + Izz is {trace:.4g} kg m2 with {mass:g} kg"
+        moments = f"Ixx + Iyy + Izz is {trace:.4g} kg m2 with {fields.quantity_text(mass, 'kg')}"
         ball = f"less than the {least:.4g} of a ball of steel, which has the least"
         yield f"{name}.inertia: {moments}, {ball}; it may be that of another size"
 
@@ -71,7 +74,8 @@ def far_inertia(name: str, mass: float, inertia: base.Six, length: float) -> Ite
     """Yield a warning if a radius of gyration exceeds `length` (m)."""
     radius = math.sqrt(np.linalg.eigvalsh(base.inertia_tensor(inertia))[-1] / mass)
     if radius > length:
-        gives = f"it gives a radius of gyration of {radius:.3g} m with {mass:g} kg, more than {length:.3g} m"
+        whole = fields.quantity_text(mass, "kg")
+        gives = f"it gives a radius of gyration of {radius:.3g} m with {whole}, more than {length:.3g} m"
         yield f"{name}.inertia: {gives}; it may be that of another size"
 
 

@@ -101,13 +101,15 @@ class FatigueMaterial(Parameters):
 
     def _errors(self) -> Errors:
         strength = self.tensile_strength
+        limit = fields.quantity_text(strength, "Pa")
         least = self.yield_strength
         if least > strength:
-            yield f"yield_strength must not exceed tensile_strength = {strength:g} Pa, got {least:g} Pa"
+            got = fields.quantity_text(least, "Pa")
+            yield f"yield_strength must not exceed tensile_strength = {limit}, got {got}"
         if self.fatigue_strength is not None and self.fatigue_strength > strength:
             yield (
-                f"fatigue_strength must not exceed tensile_strength = {strength:g} Pa, got "
-                f"{self.fatigue_strength:g} Pa"
+                f"fatigue_strength must not exceed tensile_strength = {limit}, got "
+                f"{fields.quantity_text(self.fatigue_strength, 'Pa')}"
             )
         regions = [casting.region for casting in self.castings]
         if double := sorted({region for region in regions if regions.count(region) > 1}):

@@ -221,7 +221,7 @@ def read_plates(path: str | Path) -> PlateTests:
         width = columns["width"]
         area = width * columns.get("length", width)
     if (area <= 0.0).any():
-        raise ValueError(f"{path}: sizes of plates must be greater than zero, got {width.min():g} m")
+        raise ValueError(f"{path}: sizes of plates must be greater than zero, got {width.min():.4g} m")
     if "force" in columns and "diameter" not in columns and "length" not in columns:
         raise ValueError(f"{path}: forces on plates with a 'width' need a column 'length', too")
     pressure = columns["pressure"] if "pressure" in columns else columns["force"] / area
@@ -247,7 +247,7 @@ def read_shear(path: str | Path) -> ShearTests:
     if (columns["pressure"] <= 0.0).any():
         swapped = f"; {SWAPPED.format('pressure', 'stress')}" if (columns["stress"] > 0.0).all() else ""
         least = columns["pressure"].min()
-        raise ValueError(f"{path}: pressure must be greater than zero, got {least:g} Pa{swapped}")
+        raise ValueError(f"{path}: pressure must be greater than zero, got {least:.4g} Pa{swapped}")
     test = columns.get("test", np.array([f"{1e-3 * value:.4g} kPa" for value in columns["pressure"]]))
     tests = ShearTests(columns["displacement"], columns["stress"], columns["pressure"], test)
     _warn_of_odd(path, tests)

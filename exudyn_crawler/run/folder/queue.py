@@ -21,13 +21,17 @@ from exudyn_crawler.machines import CaseFile, write_case
 from exudyn_crawler.run.folder import record
 from exudyn_crawler.run.folder.progress import PROGRESS
 
+if sys.platform != "win32":
+    import fcntl
+
 RESULTS = "results"
 WAITS = "waits"  # empty file of a run that waits for its turn
 QUEUE_LOCK = ".queue.lock"
 SERVER = ".queue.json"
 """File with the process that holds the queue, and its start; beside the lock, in the folder of the runs."""
 CONSOLE = "console.txt"
-"""File with the lines that a run has written for its user."""
+"""File with the lines that a run has written for its user; the run's process holds a lock on it."""
+STARTED = ".process"  # file with the number of the process that the queue started last
 LINES = 3  # number of last lines shown of a failed run
 WAITING, RUNNING, STOPPED, FAILED, DONE = "waiting", "running", "stopped", "failed", record.DONE
 GOES_ON = (STOPPED, FAILED)
@@ -120,8 +124,21 @@ class Runs:
 
     def named(self, name: str) -> Run:
         """Return the run of a name."""
+        return Run(self.folder / name, self._works(name))
+
+    def _works(self, name: str) -> bool:
+        """Return whether a process that a queue has started for a run, now or before, has not ended."""
         process = self._started.get(name)
-        return Run(self.folder / name, process is not None and process.poll() is None)
+        if process is not None and process.poll() is None:
+            return True
+        if sys.platform == "win32":
+            return False
+        with suppress(FileNotFoundError), (self.folder / name / CONSOLE).open("rb") as console:
+            try:
+                fcntl.flock(console, fcntl.LOCK_SH | fcntl.LOCK_NB)
+            except BlockingIOError:
+                return True
+        return False
 
     def add(self, case_file: CaseFile, name: str) -> str:
         """Add a case to the queue; return its name, with a number if the name is taken."""
@@ -146,9 +163,10 @@ class Runs:
         """
         run = self.named(name)
         if run.status == RUNNING:
-            process = self._started.get(name)
+            # a process that starts has no record yet, or that of an earlier one
+            number = (run.folder / STARTED).read_text() if self._works(name) else run.record["process"]
             with suppress(OSError):
-                os.kill(run.record["process"] if process is None else process.pid, signal.SIGTERM)
+                os.kill(int(number), signal.SIGTERM)
             return
         (run.folder / WAITS).unlink(missing_ok=True)
         if not run.record:
@@ -164,7 +182,10 @@ class Runs:
         home = waiting[0].parent
         words = [*COMMAND, "run", str(home / record.CASE), "--out", str(home)]
         with (home / CONSOLE).open("wb") as console:
-            self._started[home.name] = subprocess.Popen(
+            if sys.platform != "win32":
+                # the process inherits the file, and so the lock, until it ends
+                fcntl.flock(console, fcntl.LOCK_EX)
+            process = subprocess.Popen(
                 words,
                 stdin=subprocess.DEVNULL,
                 stdout=console,
@@ -172,4 +193,6 @@ class Runs:
                 cwd=self.folder.parent,
                 start_new_session=True,
             )
+        (home / STARTED).write_text(str(process.pid))
         (home / WAITS).unlink(missing_ok=True)
+        self._started[home.name] = process

@@ -160,8 +160,8 @@ class ChainWatch:
         return (
             f"shoe {shoe + 1} came off sideways: it is {aside[shoe]:+.4f} m from the track's middle and "
             f"{step[shoe]:.4f} m from shoe {self._ahead[shoe] + 1}, beyond gear.offset_limit = "
-            f"{limit:g} m; likely a side force that the flanges do not hold (guide_height, guide_stiffness), "
-            "or a chain too slack to stay between them"
+            f"{limit:.4g} m; likely a side force that the flanges do not hold (guide_height, "
+            "guide_stiffness), or a chain too slack to stay between them"
         )
 
     def _folded(self, shoes: np.ndarray) -> str:
@@ -173,7 +173,7 @@ class ChainWatch:
             return ""
         return (
             f"the chain folded: shoes {link + 1} and {self._ahead[link] + 1} are at {bend[link]:+.3f} rad, "
-            f"beyond gear.fold_limit = {limit:g} rad; likely a chain too slack (idler.slack, "
+            f"beyond gear.fold_limit = {limit:.4g} rad; likely a chain too slack (idler.slack, "
             "idler.take_up), or one that piles up where it is pushed"
         )
 
