@@ -1,7 +1,9 @@
 """Datasheets at random: each is refused in a sentence, or a machine follows that weighs what it says."""
 
+import numpy as np
 import pytest
 
+from exudyn_crawler.case.parameters import checks
 from exudyn_crawler.errors import EquilibriumError, ParameterError
 from exudyn_crawler.machines.datasheet import figures
 from exudyn_crawler.machines.datasheet.derive import derived
@@ -53,6 +55,15 @@ def check(seeds):
 
 def test_some_machines_at_random_are_assembled_or_refused_in_a_sentence():
     assert check(range(25)) < 6
+
+
+def test_a_sprocket_of_few_gaps_is_no_heavier_than_solid_steel():
+    case, sheet = case_of(76)
+    tumbler = case.gear.tumbler
+    pins = 0.5 * case.track.pitch / np.sin(np.pi * tumbler.gaps_per_shoe / tumbler.teeth)
+    assert tumbler.mass == pytest.approx(7850.0 * np.pi * 0.8 * pins**3, rel=1e-3)
+    assert tumbler.mass < case.track.pitch**3 * sheet.typical_value("sprocket_mass")
+    assert not [line for line in checks.implausible(case, 2.0) if "tumbler" in line]
 
 
 @pytest.mark.slow

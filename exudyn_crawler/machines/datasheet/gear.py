@@ -44,7 +44,9 @@ def gear_of(sheet: Datasheet, chain: Chain, shoe: Shoe, track: Track) -> tuple[M
     assert rails is not None
     pitch = chain.pitch
     place = wheels.wheels_of(sheet, chain, rails.height - track.pin_height)
-    sprocket = pitch**3 * sheet.typical_value("sprocket_mass")
+    typical = pitch**3 * sheet.typical_value("sprocket_mass")
+    # typical weights are those of sprockets with more gaps than some have
+    sprocket = min(typical, rules.solid_wheel(place.pins))
     axes = place.roller_radius + rails.height + shoe.com_height
     springs = suspension.springs_of(sheet, chain, shoe.mass, place)
     beside = sprocket, springs.mass
@@ -56,7 +58,8 @@ def gear_of(sheet: Datasheet, chain: Chain, shoe: Shoe, track: Track) -> tuple[M
     _check_frame(sheet, chain, shoe, parts, sum(bogie.mass for bogie in bogies))
     tumbler = _tumbler(sheet, chain, track, place, sprocket, contacts)
     flanks = Ruled(tumbler.reach, "" if tumbler.reach == place.reach else "flanks")
-    ruled = {"gear.tumbler.reach": flanks, **place.ruled, **parts.ruled}
+    mass = Ruled(sprocket, "solid" if sprocket < typical else "")
+    ruled = {"gear.tumbler.reach": flanks, "gear.tumbler.mass": mass, **place.ruled, **parts.ruled}
     gear = Machine(
         mass=parts.frame - sum(bogie.mass for bogie in bogies),
         inertia=parts.frame_inertia,

@@ -4,6 +4,10 @@ import math
 
 import numpy as np
 
+from exudyn_crawler.case.parameters.track import STEEL_DENSITY
+
+WHEEL_WIDTH = 0.8  # width of a wheel over its radius (chosen here)
+
 
 def pitch_by_mass(mass: float, factor: float) -> float:
     """Return the pitch of a machine from its mass: factor times the third root of the tonnes.
@@ -108,9 +112,14 @@ def ring_inertia(mass: float, radius: float) -> np.ndarray:
     """Return the moments of inertia of a wheel about x, y (its axis) and z, array (3,), kg m2.
 
     The wheel is between disc and ring: half of ``m r2`` about the axis, as a disc; 0.3 across, for a width of
-    0.8 radii.
+    `WHEEL_WIDTH`.
     """
     return mass * radius**2 * np.array([0.3, 0.5, 0.3])
+
+
+def solid_wheel(radius: float) -> float:
+    """Return the mass (kg) of a wheel of solid steel, the greatest for its radius (m)."""
+    return STEEL_DENSITY * math.pi * WHEEL_WIDTH * radius**3
 
 
 def sprocket_torque(pull: float, radius: float, efficiency: float) -> float:
