@@ -552,7 +552,7 @@ def test_what_no_machine_has_is_told_in_one_line_before_a_run(call, tmp_path):
 def test_info_says_what_rigid_and_flexible_shoes_weigh(told, tmp_path):
     (tmp_path / "own.toml").write_text('base = "stress"\n[flexible]\nmesh = "coarse"\n')
     out = " ".join(told("info", "own.toml").split())
-    assert "rigid ones weigh 4489.63 kg each, flexible ones 4503.32 kg (+0.3 %)" in out
+    assert "rigid ones weigh 4.49 t each, flexible ones 4.503 t (+0.3 %)" in out
 
 
 def test_a_value_can_be_set_on_the_command_line(told, refused, short):
