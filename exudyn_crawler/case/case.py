@@ -94,8 +94,8 @@ class Case(NamedCases):
     def _sphere_errors(self, contact: SphereContact) -> Errors:
         """Yield an error for loads that lift the shoes, and for spheres of a wrong size."""
         if not self.mean_load > 0.0:
-            load = fields.quantity_text(self.mean_load, "N")
-            yield f"loads must press the shoes down on the whole, got {load} a shoe"
+            mean = fields.quantity_text(self.mean_load, "N")
+            yield f"loads must press the shoes down on the whole, got {mean} a shoe"
         # for the greatest load of a shoe, on linear spheres
         load = max(max(phase.loads) for phase in self.loads.phases)
         depth = self.settled_penetration * float(self.pressed(load)) / self.mean_load
