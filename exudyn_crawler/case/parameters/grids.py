@@ -13,6 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from exudyn_crawler.case.parameters.columns import MISSING, read_text
+from exudyn_crawler.settings import fields
 from exudyn_crawler.settings.units import number_of
 
 LEAST = 4  # least number of heights along each side, as for a cubic spline
@@ -64,7 +65,7 @@ def read_grid(path: Path, units: Units) -> HeightGrid:
     _refuse_undeclared(z)
     if (farthest := np.nanmax(np.abs(z))) > HIGHEST:
         raise ValueError(
-            f"its heights must be within {HIGHEST:g} m of sea level, got {farthest:.4g} m; "
+            f"its heights must be within {HIGHEST:g} m of sea level, got {fields.four_digits(farthest)} m; "
             "height_unit says another unit, such as 'mm'"
         )
     return HeightGrid(_even("x", x), _even("y", y), z)

@@ -10,6 +10,7 @@ import numpy as np
 
 from exudyn_crawler.case.parameters.columns import read_columns
 from exudyn_crawler.errors import ImplausibleWarning
+from exudyn_crawler.settings import fields
 
 LOOP_SHARE, LOOP_DROP = 0.8, 0.1
 """Criteria of an unloading, as opposed to scatter. The pressure falls below the first fraction of the
@@ -246,8 +247,8 @@ def read_shear(path: str | Path) -> ShearTests:
             raise ValueError(f"{path} must have a column {name!r}")
     if (columns["pressure"] <= 0.0).any():
         swapped = f"; {SWAPPED.format('pressure', 'stress')}" if (columns["stress"] > 0.0).all() else ""
-        least = columns["pressure"].min()
-        raise ValueError(f"{path}: pressure must be greater than zero, got {least:.4g} Pa{swapped}")
+        least = fields.four_digits(columns["pressure"].min())
+        raise ValueError(f"{path}: pressure must be greater than zero, got {least} Pa{swapped}")
     test = columns.get("test", np.array([f"{1e-3 * value:.4g} kPa" for value in columns["pressure"]]))
     tests = ShearTests(columns["displacement"], columns["stress"], columns["pressure"], test)
     _warn_of_odd(path, tests)
