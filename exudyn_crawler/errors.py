@@ -1,5 +1,7 @@
 """Errors and warnings for users of the package."""
 
+import difflib
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +18,12 @@ LINE_END = 120
 def cut_line(line: str) -> str:
     """Return a line without its middle if it is too long to read: libraries repeat a broken file."""
     return line if len(line) <= LONGEST_LINE else f"{line[:LINE_BEGIN]} ... {line[-LINE_END:]}"
+
+
+def did_you_mean(name: object, known: Iterable[str]) -> str:
+    """Return a question with the known name nearest to a wrong one; empty if none is near."""
+    near = difflib.get_close_matches(str(name), known, n=1)
+    return f"did you mean {near[0]!r}? " if near else ""
 
 
 class CrawlerError(Exception):

@@ -68,8 +68,8 @@ class Assessment:
                 "factor from": item.factor_source,
                 "from": item.basis,
                 "formula": item.formula,
-                "source": item.source,
-                "mark": item.mark,
+                "source": item.source.text,
+                "mark": item.source.mark,
             }
             for item in self.governing
         ]

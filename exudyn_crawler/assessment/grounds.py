@@ -1,10 +1,11 @@
 """Named grounds with bearing pressure, friction and rolling resistance, from a data file with sources."""
 
-import difflib
 import tomllib
 from functools import cache
 from importlib.resources import files
 from typing import NamedTuple
+
+from exudyn_crawler.errors import did_you_mean
 
 
 class NamedGround(NamedTuple):
@@ -35,7 +36,5 @@ def ground(name: str) -> NamedGround:
     """Return the ground of a name; raise a `ValueError` that lists the known names."""
     known = grounds()
     if name not in known:
-        near = difflib.get_close_matches(name, known, n=1)
-        hint = f"did you mean {near[0]!r}? " if near else ""
-        raise ValueError(f"ground must be of {list(known)}, {hint}got {name!r}")
+        raise ValueError(f"ground must be of {list(known)}, {did_you_mean(name, known)}got {name!r}")
     return known[name]

@@ -178,7 +178,9 @@ def numbers_of(case: Case, settings: AssessmentSettings) -> AssessmentNumbers:
     if not isinstance(gear, Machine):
         raise ValueError(f"gear.kind must be 'machine', which stands on two tracks, got {gear.kind!r}")
     gravity = case.gravity
-    stand = _stands(case, gear)
+    pitch = gear.chain_pitch(case.track)
+    ends = _end_wheels(case, gear, pitch)
+    stand = _stands(gear, ends, pitch)
     length = settings.length or stand.length
     least = settings.length or stand.least_length
     gauge = gear.car_body.track_distance
@@ -189,10 +191,9 @@ def numbers_of(case: Case, settings: AssessmentSettings) -> AssessmentNumbers:
     edges = Edges(stand.front - middle, middle - stand.rear, side, side)
     weights = _weights(case, gear, middle)
     work, least_reach = _work(settings)
-    pitch = gear.chain_pitch(case.track)
     rollers = _rollers(case, gear, middle, length, pitch)
     shoe = _shoe(case, settings, pitch)
-    of_chain, tensions = _chain(case, gear, settings, shoe, pitch)
+    of_chain, tensions = _chain(case, gear, settings, shoe, ends)
     ground, of_ground = _ground(case, settings, footprints, gravity, weights)
     drive, torque = _drive(gear, settings, gravity * (weights.lower_mass + weights.upper_mass), case)
     ruled = {
@@ -234,6 +235,11 @@ def numbers_of(case: Case, settings: AssessmentSettings) -> AssessmentNumbers:
     )
 
 
+def _chosen(stated: float | None, derived: Ruled) -> float:
+    """Return a stated value, or else the derived one."""
+    return float(derived.value) if stated is None else stated
+
+
 def _sizes(shoe: ShoeNumbers) -> list[tuple[str, float]]:
     """Return the sizes of a hinge joint by the names of the settings."""
     return [(name, getattr(shoe.hinge, name)) for name in PINS]
@@ -251,30 +257,41 @@ class _Stand(NamedTuple):
     """Names of the grounded end wheels."""
 
 
-def _stands(case: Case, gear: Machine) -> _Stand:
-    """Return the length of a track on the ground: between grounded end wheels, or below the rollers."""
+class _EndWheel(NamedTuple):
+    """Tumbler or idler, by the pins that it carries, in the machine's axes, m."""
+
+    name: str
+    x: float
+    lift: float
+    """Height of its lowest pins above those under the rollers."""
+
+
+def _end_wheels(case: Case, gear: Machine, pitch: float) -> tuple[_EndWheel, _EndWheel]:
+    """Return tumbler and idler, with the pins on the belt that the chain is assembled along."""
     rails = case.shoe.rails
     assert rails is not None  # of a closed track
     rise = rails.height - case.track.pin_height
     lowest = -(gear.roller_radius + rise)
     tumbler_x, tumbler_z = gear.tumbler.place
-    pitch = gear.chain_pitch(case.track)
-    # pins lie on the same belt that the chain is assembled along
     (idler_x, idler_z), on_idler = gear.idler_circle(0.0, rise, pitch)
-    ends = (
-        (tumbler_x, tumbler_z - gear.tumbler.radius(case.track.pitch), "tumbler"),
-        (idler_x, idler_z - on_idler, "idler"),
+    return (
+        _EndWheel("tumbler", tumbler_x, tumbler_z - gear.tumbler.radius(case.track.pitch) - lowest),
+        _EndWheel("idler", idler_x, idler_z - on_idler - lowest),
     )
-    standing = [(x, name) for x, z, name in ends if z - lowest <= RISE]
-    rear = min([gear.rollers[0], *(x for x, _ in standing)])
-    front = max([gear.rollers[-1], *(x for x, _ in standing)])
+
+
+def _stands(gear: Machine, ends: tuple[_EndWheel, _EndWheel], pitch: float) -> _Stand:
+    """Return the length of a track on the ground: between grounded end wheels, or below the rollers."""
+    standing = [wheel for wheel in ends if wheel.lift <= RISE]
+    rear = min([gear.rollers[0], *(wheel.x for wheel in standing)])
+    front = max([gear.rollers[-1], *(wheel.x for wheel in standing)])
     span = front - rear
     # a shoe bears on all of its length until its roller has left it; beyond an end wheel it does not bear
     beyond = pitch * (1.0 - 0.5 * len(standing))
     whole = pitch * (math.floor(span / pitch + 1e-9) + 1)
-    names = " and ".join(name for _, name in standing) or "neither tumbler nor idler"
+    names = " and ".join(wheel.name for wheel in standing) or "neither tumbler nor idler"
     words = f"{names} as low as the rollers (within {1e3 * RISE:g} mm)"
-    least = min(span + beyond, whole) if not standing else span + beyond
+    least = span + beyond if standing else min(span + beyond, whole)
     return _Stand(rear, front, span + beyond, least, words)
 
 
@@ -288,14 +305,9 @@ def _weights(case: Case, gear: Machine, middle: float) -> MachineWeights:
     fixed += [(gear.tumbler.mass, place) for place in tumblers]
     if (slide := gear.idler.slide) is not None:
         fixed += [(slide.mass, place) for place in case.idler_reference[:, :3] - start]
-    if gear.bogies:
-        masses = [bogie.mass for bogie in gear.bogies] * gear.tracks
-        pivots = gear.bogie_reference(case.shoe, case.track)[:, :3] - start
-        fixed += list(zip(masses, pivots, strict=True))
-    if gear.arms:
-        masses = [arm.mass for arm in gear.arms] * gear.tracks
-        pivots = gear.arm_reference(case.shoe, case.track)[:, :3] - start
-        fixed += list(zip(masses, pivots, strict=True))
+    for parts, reference in ((gear.bogies, gear.bogie_reference), (gear.arms, gear.arm_reference)):
+        places = reference(case.shoe, case.track)[:, :3] - start
+        fixed += zip([part.mass for part in parts] * gear.tracks, places, strict=True)
     shoes = case.shoe_reference[:, :3] - start
     fixed.append((case.shoe.mass * len(shoes), shoes.mean(axis=0)))
     mass = sum(part for part, _ in fixed)
@@ -354,11 +366,16 @@ def _shoe(case: Case, settings: AssessmentSettings, pitch: float) -> ShoeNumbers
 
 
 def _chain(
-    case: Case, gear: Machine, settings: AssessmentSettings, shoe: ShoeNumbers, pitch: float
+    case: Case,
+    gear: Machine,
+    settings: AssessmentSettings,
+    shoe: ShoeNumbers,
+    ends: tuple[_EndWheel, _EndWheel],
 ) -> tuple[ChainNumbers, dict[str, Ruled]]:
     """Return the chain with its rest tension (sag or pretension), its breaking tension, and their rules."""
     rails = case.shoe.rails
     assert rails is not None  # of a closed track
+    pitch = gear.chain_pitch(case.track)
     weight = shoe.mass * case.gravity / pitch
     idler = gear.idler
     if idler.pretension is not None:
@@ -374,19 +391,12 @@ def _chain(
     else:
         of_breaking = Ruled(chain_strength(shoe.hinge, shoe.hinges, shoe.pin), "pins")
     drive = settings.drive
-    rest: float = of_rest.value if drive.rest_tension is None else drive.rest_tension
-    breaking: float = of_breaking.value if drive.breaking_tension is None else drive.breaking_tension
+    rest = _chosen(drive.rest_tension, of_rest)
+    breaking = _chosen(drive.breaking_tension, of_breaking)
     speed = max(abs(value) for value in case.drive.speed.values)
     drag = 2.0 * gear.rolling_resistance * rest
-    rise = rails.height - case.track.pin_height
-    lowest = -(gear.roller_radius + rise)
-    _, on_idler = gear.idler_circle(0.0, rise, pitch)
-    lifts = (
-        gear.tumbler.place[1] - gear.tumbler.radius(case.track.pitch) - lowest,
-        gear.idler.place[1] - on_idler - lowest,
-    )
-    runs = gear.rollers[0] - gear.tumbler.place[0], gear.idler.place[0] - gear.rollers[-1]
-    rises = tuple(max(lift, 0.0) / run for lift, run in zip(lifts, runs, strict=True))
+    runs = gear.rollers[0] - ends[0].x, ends[1].x - gear.rollers[-1]
+    rises = tuple(max(wheel.lift, 0.0) / run for wheel, run in zip(ends, runs, strict=True))
     shoes = case.track.shoe_count // case.tracks
     numbers = ChainNumbers(weight, pitch, shoes, rest, breaking, speed, drag, (rises[0], rises[1]))
     return numbers, {"drive.rest_tension": of_rest, "drive.breaking_tension": of_breaking}
@@ -448,8 +458,7 @@ def _ground(
         # a given traction over load includes the cohesion
         values["cohesion"] = Ruled(0.0, "given friction")
     friction, rolling, cohesion = (
-        values[key].value if (own := getattr(asked, key)) is None else own
-        for key in ("friction", "rolling", "cohesion")
+        _chosen(getattr(asked, key), values[key]) for key in ("friction", "rolling", "cohesion")
     )
     numbers = GroundNumbers(
         name,
@@ -476,5 +485,4 @@ def _drive(
     else:
         share = PULL_OF_SHOVEL if weight > HEAVY * case.gravity else PULL_OF_OTHERS
         torque = Ruled(0.5 * share * weight * radius / asked.efficiency, "pull", f"{share:g}")
-    greatest: float = torque.value if asked.torque is None else asked.torque
-    return travel.TrackDrive(greatest, radius, asked.efficiency), torque
+    return travel.TrackDrive(_chosen(asked.torque, torque), radius, asked.efficiency), torque

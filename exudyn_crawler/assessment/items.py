@@ -12,6 +12,17 @@ KILO = 1e3
 NOT_KNOWN = "not known"
 
 
+class Source(NamedTuple):
+    """Source of an item, with its mark: S seen, D derived, R recalled."""
+
+    text: str
+    mark: str
+
+
+STATICS = Source("statics", "D")
+BALANCE = Source("balance of travel", "D")
+
+
 class AssessedItem(NamedTuple):
     """Number of an assessment beside its limit; NaN for a missing limit."""
 
@@ -21,19 +32,25 @@ class AssessedItem(NamedTuple):
     number: float
     limit: float
     unit: str
-    factor: float
-    """Factor of the group on the load or the stress; 1 if the limit includes it."""
-    utilisation: float
-    basis: str
-    """Formula, or the run that gives the forces."""
     formula: str
-    source: str
-    mark: str
-    """Mark of the source: S seen, D derived, R recalled."""
+    source: Source
+    factor: float = 1.0
+    """Factor of the group on the load or the stress; 1 if the limit includes it."""
     factor_source: str = ""
     """Source of the factor with its mark; empty for a factor of 1."""
+    basis: str = FORMULA
+    """Formula, or the run that gives the forces."""
     needs: tuple[str, ...] = ()
     """Settings keys without a value that the number or its limit needs."""
+    is_least: bool = False
+    """True if the limit is the least allowed number and not the greatest."""
+
+    @property
+    def utilisation(self) -> float:
+        """Number with its factor over the limit, or the least number over it; NaN without a limit."""
+        if self.is_least:
+            return self.limit / self.number
+        return self.factor * self.number / self.limit if self.limit else np.inf
 
     @property
     def verdict(self) -> str:
@@ -66,9 +83,9 @@ def governing(items: Iterable[AssessedItem]) -> list[AssessedItem]:
 
 
 def _with_needs(item: AssessedItem, needs: tuple[str, ...]) -> AssessedItem:
-    """Return an item with its needs; a utilisation of 0 becomes NaN if an input is missing."""
+    """Return an item with its needs; a number of 0 becomes NaN if an input is missing."""
     if needs and item.utilisation == 0.0:
-        item = item._replace(number=np.nan, utilisation=np.nan)
+        item = item._replace(number=np.nan)
     return item._replace(needs=needs)
 
 
@@ -83,33 +100,16 @@ def case_item(
     number: float,
     limit: float,
     unit: str,
-    *,
     formula: str,
-    source: str,
-    mark: str,
+    source: Source,
+    *,
+    of_run: str = "",
     factor: float = 1.0,
     needs: tuple[str, ...] = (),
 ) -> AssessedItem:
-    """Return an item of a load case; the factor multiplies the number."""
-    used = factor * number / limit if limit else np.inf
-    return AssessedItem(
-        name,
-        row.name,
-        row.group,
-        number,
-        limit,
-        unit,
-        factor,
-        used,
-        row.basis,
-        formula,
-        source,
-        mark,
-        "" if factor == 1.0 else row.factors,
-        needs,
-    )
-
-
-def by_run(row: CaseLoads, formula: str, of_run: str) -> str:
-    """Describe where a number comes from: a formula, or forces of a run."""
-    return formula if row.basis == FORMULA else of_run
+    """Return an item of a load case; `of_run` describes a number that a run gives in place of the formula."""
+    if of_run and row.basis != FORMULA:
+        formula, source = of_run, Source(row.basis, "D")
+    factors = "" if factor == 1.0 else row.factors
+    place = name, row.name, row.group
+    return AssessedItem(*place, number, limit, unit, formula, source, factor, factors, row.basis, needs)

@@ -8,10 +8,17 @@ from scipy.optimize import brentq
 from exudyn_crawler.assessment import forces, pressure, stability, travel, utilisation
 from exudyn_crawler.assessment.forces import Numbers
 from exudyn_crawler.assessment.inputs import AssessmentNumbers
-from exudyn_crawler.assessment.items import KILO, AssessedItem, by_run, case_item
+from exudyn_crawler.assessment.items import BALANCE, KILO, STATICS, AssessedItem, Source, case_item
 from exudyn_crawler.assessment.settings import AssessmentSettings
-from exudyn_crawler.assessment.states import FORMULA, IN_LINE, SLEW, CaseLoads
+from exudyn_crawler.assessment.states import IN_LINE, SLEW, CaseLoads
 
+BEAMS = Source("statics of two beams", "D")
+MEYERHOF = Source("Meyerhof 1953", "R")
+BY_LOAD = Source("friction by load (convention)", "D")
+RATED = Source("SAE J1097, ISO 10567", "S")
+CLAY = Source("Prandtl and Skempton", "R")
+ROWLAND = "1.26 W / (2 n A b sqrt(p D))"
+IDLER = "2 T, T at rest and of the stalled drive"
 SLIGHT = 1e-6
 """Friction coefficient that counts as zero."""
 SAFETY_OF_CLAY = 2.0
@@ -30,30 +37,22 @@ def pressure_items(
         needs = (*needs, "ground.name or ground.allowed_pressure")
     whole = row.carries >= numbers.fewest.length * (1.0 - 1e-9)
     shape = "P / (b L) (1 + 6 e / L)" if whole else "2 P / (3 b (L / 2 - e)), a triangle"
-    beams = f"{shape}, upper structure at {np.degrees(row.slew):.0f} deg"
     yield case_item(
         row,
         "greatest ground pressure",
         row.greatest_pressure / KILO,
         allowed,
         "kPa",
-        formula=by_run(row, beams, "greatest normal force of a shoe over pitch x width"),
-        source=by_run(row, "statics of two beams", row.basis),
-        mark="D",
+        f"{shape}, upper structure at {np.degrees(row.slew):.0f} deg",
+        BEAMS,
+        of_run="greatest normal force of a shoe over pitch x width",
         needs=needs,
     )
     if np.isfinite(row.even_pressure):
-        yield case_item(
-            row,
-            "even equivalent of the pressure",
-            row.even_pressure / KILO,
-            allowed,
-            "kPa",
-            formula=by_run(row, "P / (b (L - 2 e))", "mean of the shoes that stand"),
-            source=by_run(row, "Meyerhof 1953", row.basis),
-            mark=by_run(row, "R", "D"),
-            needs=needs,
-        )
+        even = row.even_pressure / KILO
+        name, formula = "even equivalent of the pressure", "P / (b (L - 2 e))"
+        of_run = "mean of the shoes that stand"
+        yield case_item(row, name, even, allowed, "kPa", formula, MEYERHOF, of_run=of_run, needs=needs)
 
 
 def tipping_items(
@@ -62,7 +61,9 @@ def tipping_items(
     """Yield the required margin against tipping over the margin of the load case."""
     if row.support != "even":
         return
-    used = row.tipping / row.margin
+    moments = f"stabilising over overturning moments, {row.edge} edge"
+    tips = f"tips {np.degrees(row.tilt):.1f} deg further about the {row.tilt_edge} edge"
+    source = Source(f"statics; limit: {row.factors}", "D")
     yield AssessedItem(
         "tipping",
         row.name,
@@ -70,14 +71,10 @@ def tipping_items(
         row.margin,
         row.tipping,
         "1",
-        1.0,
-        used,
-        FORMULA,
-        f"stabilising over overturning moments, {row.edge} edge; tips {np.degrees(row.tilt):.1f} deg further "
-        f"about the {row.tilt_edge} edge",
-        f"statics; limit: {row.factors}",
-        "D",
+        f"{moments}; {tips}",
+        source,
         needs=row.missing,
+        is_least=True,
     )
 
 
@@ -88,16 +85,16 @@ def pull_items(numbers: AssessmentNumbers, row: CaseLoads, _: AssessmentSettings
     formula = f"R / 2, R = {numbers.resistance.formula}"
     if row.drive == "turn":
         formula = f"M / B + {formula}, M of the shear strength over both footprints"
-    formula = by_run(row, formula, "mean torque of a tumbler x efficiency over its radius")
+    ends = f"; it {row.ends}"
     yield case_item(
         row,
         f"pull of a track, {row.name}",
         row.needed / KILO,
         row.available / KILO,
         "kN",
-        formula=f"{formula}; it {row.ends}",
-        source=by_run(row, "balance of travel", row.basis),
-        mark="D",
+        formula + ends,
+        BALANCE,
+        of_run=f"mean torque of a tumbler x efficiency over its radius{ends}",
         needs=row.missing_of_travel,
     )
 
@@ -106,25 +103,20 @@ def across_items(numbers: AssessmentNumbers, row: CaseLoads, _: AssessmentSettin
     """Yield the lateral force on a shoe; no limit found in any source."""
     if row.support != "even" or not row.side_force:
         return
-    strength = (
-        "c + friction x greatest pressure" if numbers.ground.cohesion else "friction x greatest pressure"
-    )
-    turn = f"({strength}) x pitch x width"
-    aside = f"push aside over weight x greatest pressure, at most {strength}, x pitch x width"
-    formula = by_run(row, turn if row.drive == "turn" else aside, "greatest friction across a shoe")
-    yield AssessedItem(
+    cohesion = "c + " if numbers.ground.cohesion else ""
+    strength = f"{cohesion}friction x greatest pressure"
+    formula = f"({strength}) x pitch x width"
+    if row.drive != "turn":
+        formula = f"push aside over weight x greatest pressure, at most {strength}, x pitch x width"
+    yield case_item(
+        row,
         "force across a shoe",
-        row.name,
-        row.group,
         row.side_force / KILO,
         np.nan,
         "kN",
-        1.0,
-        np.nan,
-        row.basis,
         formula,
-        by_run(row, "friction by load (convention)", row.basis),
-        "D",
+        BY_LOAD,
+        of_run="greatest friction across a shoe",
         needs=row.missing_of_loads,
     )
 
@@ -137,20 +129,9 @@ def machine_items(numbers: AssessmentNumbers, settings: AssessmentSettings) -> I
     yield from _information(numbers)
     if numbers.power:
         taken = float(numbers.resistance.on_grade(numbers.weight, 0.0)) * numbers.chain.speed
-        yield AssessedItem(
-            "power of travel",
-            "travels straight on the level",
-            "H",
-            taken / KILO,
-            numbers.power / KILO,
-            "kW",
-            1.0,
-            taken / numbers.power,
-            FORMULA,
-            f"R v, R = {numbers.resistance.formula}",
-            "balance of travel",
-            "D",
-        )
+        name = "power of travel", "travels straight on the level", "H"
+        formula = f"R v, R = {numbers.resistance.formula}"
+        yield AssessedItem(*name, taken / KILO, numbers.power / KILO, "kW", formula, BALANCE)
 
 
 def _rated_load(numbers: AssessmentNumbers, settings: AssessmentSettings) -> Iterator[AssessedItem]:
@@ -158,10 +139,9 @@ def _rated_load(numbers: AssessmentNumbers, settings: AssessmentSettings) -> Ite
     needs = tuple(key for key in ("work.payload", "work.reach") if key in numbers.not_stated)
     if "work.payload" not in needs and not numbers.work.payload:
         return
-    payload = rated = used = np.nan
+    payload = np.nan if "work.payload" in needs else numbers.work.payload
+    rated = np.nan
     words = "the tipping load at the reach"
-    if "work.payload" not in needs:
-        payload = numbers.work.payload
     if "work.reach" not in needs:
         words = f"the tipping load at {numbers.work.reach:g} m, least of all angles"
         level = forces.gravity_on_slope(numbers.gravity, 0.0, 0.0)
@@ -170,23 +150,9 @@ def _rated_load(numbers: AssessmentNumbers, settings: AssessmentSettings) -> Ite
             acting, numbers.edges, numbers.work.reach, numbers.weights.swing_axis, SLEW
         )
         rated = settings.rated_part * float(tips.min()) / numbers.gravity
-    if not needs:
-        used = payload / rated if rated else np.inf
-    yield AssessedItem(
-        "payload over rated load",
-        "lifts at its reach",
-        "H",
-        payload / KILO,
-        rated / KILO,
-        "t",
-        1.0,
-        used,
-        FORMULA,
-        f"{settings.rated_part:g} of {words}",
-        "SAE J1097, ISO 10567",
-        "S",
-        needs=needs,
-    )
+    name = "payload over rated load", "lifts at its reach", "H"
+    formula = f"{settings.rated_part:g} of {words}"
+    yield AssessedItem(*name, payload / KILO, rated / KILO, "t", formula, RATED, needs=needs)
 
 
 def _grades(numbers: AssessmentNumbers) -> Iterator[AssessedItem]:
@@ -195,32 +161,20 @@ def _grades(numbers: AssessmentNumbers) -> Iterator[AssessedItem]:
     drive = 2.0 * numbers.drive.pull
     resistance = numbers.resistance
     area = numbers.footprints.area
-    strength = "c A + mu V cos a" if ground.cohesion else "mu V cos a"
+    bears = "c A + mu V cos a" if ground.cohesion else "mu V cos a"
     kinds: dict[str, tuple[Callable[[float], Numbers], str]] = {
-        "grade that the drive climbs": (lambda _: drive, "2 T eta / r"),
-        "grade that the ground bears": (
+        "the drive climbs": (lambda _: drive, "2 T eta / r"),
+        "the ground bears": (
             lambda load: travel.traction(load, ground.friction, ground.cohesion, area),
-            strength,
+            bears,
         ),
     }
-    for name, (available, words) in kinds.items():
+    for does, (available, words) in kinds.items():
         angle = travel.greatest_slope(resistance, numbers.weight, available)
         possible = float(np.tan(angle)) if angle < 0.5 * np.pi else np.inf
-        wanted = float(np.tan(numbers.grade))
-        yield AssessedItem(
-            f"permitted grade over {name}",
-            "travels up a grade",
-            "HZ",
-            wanted,
-            possible,
-            "1",
-            1.0,
-            wanted / possible if possible > 0.0 else np.inf,
-            FORMULA,
-            f"{resistance.formula} = {words}",
-            "balance of travel",
-            "D",
-        )
+        name = f"permitted grade over grade that {does}", "travels up a grade", "HZ"
+        formula = f"{resistance.formula} = {words}"
+        yield AssessedItem(*name, float(np.tan(numbers.grade)), possible, "1", formula, BALANCE)
 
 
 def _turn(numbers: AssessmentNumbers) -> Iterator[AssessedItem]:
@@ -242,20 +196,10 @@ def _turn(numbers: AssessmentNumbers) -> Iterator[AssessedItem]:
         turns = _stalling_friction(pull, max(spare, 0.0), cohesion)
     except ValueError:
         return  # the lighter track slips at any friction
-    yield AssessedItem(
-        "friction over that at which a turn on the spot stalls",
-        "turns on the spot",
-        "HZ",
-        numbers.ground.friction,
-        turns,
-        "1",
-        1.0,
-        numbers.ground.friction / turns if turns else np.inf,
-        FORMULA,
-        f"M / B = T eta / r - R / 2, R = {numbers.resistance.formula}; any radius asks for the same friction",
-        "balance of travel",
-        "D",
-    )
+    name = "friction over that at which a turn on the spot stalls", "turns on the spot", "HZ"
+    balance = f"M / B = T eta / r - R / 2, R = {numbers.resistance.formula}"
+    formula = f"{balance}; any radius asks for the same friction"
+    yield AssessedItem(*name, numbers.ground.friction, turns, "1", formula, BALANCE)
 
 
 def _stalling_friction(pull: Callable[[float], float], spare: float, cohesion: float) -> float:
@@ -280,21 +224,10 @@ def _information(numbers: AssessmentNumbers) -> Iterator[AssessedItem]:
     if ground.undrained is not None:
         bears = pressure.bearing_capacity(ground.undrained, area)
         mean = numbers.weight / area.area
-        yield AssessedItem(
-            "mean pressure over bearing capacity of clay",
-            "stands",
-            "H",
-            mean / KILO,
-            bears / KILO,
-            "kPa",
-            SAFETY_OF_CLAY,
-            SAFETY_OF_CLAY * mean / bears,
-            FORMULA,
-            "5.14 c_u (1 + 0.2 b / L)",
-            "Prandtl and Skempton",
-            "R",
-            "2 to 3 against failure of the ground [R]",
-        )
+        name = "mean pressure over bearing capacity of clay", "stands", "H"
+        formula = "5.14 c_u (1 + 0.2 b / L)"
+        factor = SAFETY_OF_CLAY, "2 to 3 against failure of the ground [R]"
+        yield AssessedItem(*name, mean / KILO, bears / KILO, "kPa", formula, CLAY, *factor)
     rollers = numbers.rollers
     diameter = 2.0 * rollers.tread.radius
     peak = pressure.mean_maximum_pressure(
@@ -305,35 +238,12 @@ def _information(numbers: AssessmentNumbers) -> Iterator[AssessedItem]:
     blocked = travel.blocked_track(stall, numbers.chain.rest, held, area.gauge)
     mean_load = 0.5 * (0.5 * numbers.weight - rollers.above_ground) / len(rollers.places)
     moment = utilisation.bending_of_shoe(mean_load, numbers.shoe.width, numbers.shoe.rail)
+    push = "F B / 2, F the lesser of drive and ground"
     rows = (
-        (
-            "mean maximum pressure on soft ground",
-            peak / KILO,
-            "kPa",
-            "1.26 W / (2 n A b sqrt(p D))",
-            "Rowland",
-            "R",
-        ),
-        (
-            "yaw moment of a blocked track",
-            blocked.yaw_moment / KILO,
-            "kN m",
-            "F B / 2, F the lesser of drive and ground",
-            "statics",
-            "D",
-        ),
-        (
-            "push on the idler of a blocked track",
-            blocked.idler_push / KILO,
-            "kN",
-            "2 T, T at rest and of the stalled drive",
-            "statics",
-            "D",
-        ),
-        ("bending moment of a shoe, mean rollers", moment / KILO, "kN m", "P (W / 4 - a)", "beam", "D"),
+        ("mean maximum pressure on soft ground", "H", peak, "kPa", ROWLAND, Source("Rowland", "R")),
+        ("yaw moment of a blocked track", "HZS", blocked.yaw_moment, "kN m", push, STATICS),
+        ("push on the idler of a blocked track", "HZS", blocked.idler_push, "kN", IDLER, STATICS),
+        ("bending moment of a shoe, mean rollers", "H", moment, "kN m", "P (W / 4 - a)", Source("beam", "D")),
     )
-    for name, value, unit, formula, source, mark in rows:
-        group = "HZS" if "blocked" in name else "H"
-        yield AssessedItem(
-            name, "of no load case", group, value, np.nan, unit, 1.0, np.nan, FORMULA, formula, source, mark
-        )
+    for name, group, value, unit, formula, source in rows:
+        yield AssessedItem(name, "of no load case", group, value / KILO, np.nan, unit, formula, source)

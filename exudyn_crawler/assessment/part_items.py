@@ -6,11 +6,16 @@ import numpy as np
 
 from exudyn_crawler.assessment import utilisation
 from exudyn_crawler.assessment.inputs import AssessmentNumbers
-from exudyn_crawler.assessment.items import KILO, MEGA, AssessedItem, by_run, case_item
+from exudyn_crawler.assessment.items import KILO, MEGA, STATICS, AssessedItem, Source, case_item
 from exudyn_crawler.assessment.settings import AssessmentSettings
 from exudyn_crawler.assessment.shoe import ShoeFatigue, ShoeStress
 from exudyn_crawler.assessment.states import CaseLoads
 
+EUROCODE_PIN = Source("EN 1993-1-8, table 3.10", "S")
+EUROCODE_HOLE = Source("EN 1993-1-8, eq. 3.15", "S")
+MANGANESE = Source("dry bores of manganese 40 to 80 MPa", "R")
+JOHNSON = Source("Johnson 1985, 4.2 and 9.1", "S")
+HARDENED = Source("hardened crawler rollers 6 to 10 MPa, 1.4 times as an exception", "R")
 SPECIFIC = 6e6
 """Specific pressure of hardened steel crawler rollers, Pa: the least of 6 to 10 MPa (recalled; 4 to 6 MPa for
 cast manganese against alloy steel)."""
@@ -22,16 +27,17 @@ EXTREME = 1.4
 
 def chain_items(numbers: AssessmentNumbers, row: CaseLoads, _: AssessmentSettings) -> Iterator[AssessedItem]:
     """Yield the tension of the chain over its breaking tension."""
+    breaking = "; breaking: see inputs"
     yield case_item(
         row,
         "chain tension",
         row.tension / KILO,
         numbers.chain.breaking / KILO,
         "kN",
+        f"tension at rest + pull{breaking}",
+        STATICS,
+        of_run=f"greatest of a link{breaking}",
         factor=row.strength,
-        formula=by_run(row, "tension at rest + pull", "greatest of a link"),
-        source=by_run(row, "statics; breaking: see inputs", f"{row.basis}; breaking: see inputs"),
-        mark="D",
         needs=row.missing_of_travel,
     )
 
@@ -42,63 +48,32 @@ def pin_items(numbers: AssessmentNumbers, row: CaseLoads, _: AssessmentSettings)
     force = row.tension / shoe.hinges * utilisation.SHARED
     stress = utilisation.pin_stress(force, shoe.hinge)
     resists = utilisation.pin_resistance(shoe.pin, shoe.lug)
-    source = "EN 1993-1-8, table 3.10"
     share = f"force {utilisation.SHARED:g} T / {shoe.hinges} (share assumed)"
     bearing = "F / (2 d a), outer lugs" if shoe.hinge.outer_governs else "F / (d b), inner lug"
-    rows = (
-        ("pin, shear", stress.shear, resists.shear, "F / 2 over pi d2 / 4"),
-        ("pin and lug, bearing", stress.bearing, resists.bearing, bearing),
-        ("pin, bending", stress.bending, resists.bending, "F (b + 4 c + 2 a) / 8 over W"),
-    )
-    for name, value, limit, formula in rows:
-        yield case_item(
-            row,
-            name,
-            value / MEGA,
-            limit / MEGA,
-            "MPa",
-            factor=row.strength,
-            formula=f"{formula}; {share}",
-            source=source,
-            mark="S",
-            needs=row.missing_of_travel,
-        )
-    yield case_item(
-        row,
-        "pin, bending and shear together",
-        (stress.bending / resists.bending) ** 2 + (stress.shear / resists.shear) ** 2,
-        1.0,
-        "1",
-        factor=row.strength**2,
-        formula=f"(M / M_Rd)2 + (F / F_Rd)2, square of the force; {share}",
-        source=source,
-        mark="S",
-        needs=row.missing_of_travel,
-    )
+    bending = "F (b + 4 c + 2 a) / 8 over W"
+    factor = row.strength
+    rows = [
+        ("pin, shear", stress.shear, resists.shear, factor, "F / 2 over pi d2 / 4", EUROCODE_PIN),
+        ("pin and lug, bearing", stress.bearing, resists.bearing, factor, bearing, EUROCODE_PIN),
+        ("pin, bending", stress.bending, resists.bending, factor, bending, EUROCODE_PIN),
+    ]
     if shoe.hinge.play:
-        yield case_item(
-            row,
-            "pin in its hole, contact",
-            utilisation.hole_contact(force, shoe.hinge, YOUNGS_MODULUS) / MEGA,
-            2.5 * min(shoe.pin.yield_strength, shoe.lug.yield_strength) / MEGA,
-            "MPa",
-            formula=f"0.591 sqrt(E F (d0 - d) / (d2 t)), service load; {share}",
-            source="EN 1993-1-8, eq. 3.15",
-            mark="S",
-            needs=row.missing_of_travel,
-        )
+        contact = utilisation.hole_contact(force, shoe.hinge, YOUNGS_MODULUS)
+        bears = 2.5 * min(shoe.pin.yield_strength, shoe.lug.yield_strength)
+        in_hole = "0.591 sqrt(E F (d0 - d) / (d2 t)), service load"
+        rows.append(("pin in its hole, contact", contact, bears, 1.0, in_hole, EUROCODE_HOLE))
     if row.group == "H":
-        yield case_item(
-            row,
-            "bush, wear",
-            force / (shoe.hinge.diameter * shoe.hinge.inner) / MEGA,
-            shoe.wear_pressure / MEGA,
-            "MPa",
-            formula=f"F / (d b), inner lug or bush; {share}",
-            source="dry bores of manganese 40 to 80 MPa",
-            mark="R",
-            needs=row.missing_of_travel,
-        )
+        worn = force / (shoe.hinge.diameter * shoe.hinge.inner)
+        rows.append(("bush, wear", worn, shoe.wear_pressure, 1.0, "F / (d b), inner lug or bush", MANGANESE))
+    needs = row.missing_of_travel
+    for name, value, limit, of_load, formula, source in rows:
+        words = f"{formula}; {share}"
+        number = value / MEGA
+        yield case_item(row, name, number, limit / MEGA, "MPa", words, source, factor=of_load, needs=needs)
+    both = (stress.bending / resists.bending) ** 2 + (stress.shear / resists.shear) ** 2
+    words = f"(M / M_Rd)2 + (F / F_Rd)2, square of the force; {share}"
+    name = "pin, bending and shear together"
+    yield case_item(row, name, both, 1.0, "1", words, EUROCODE_PIN, factor=factor**2, needs=needs)
 
 
 def roller_items(
@@ -109,34 +84,21 @@ def roller_items(
     tread = numbers.rollers.tread
     contact = utilisation.roller_contact(force, tread, settings.material.yield_strength)
     stress = contact.pressure / MEGA
+    hertz = f"Hertz, {force / KILO:.0f} kN a tread"
+    needs = row.missing_of_loads
     limits = [("yield below the surface", contact.to_yield, "pressure goes by the root of the force")]
     if row.group != "HZS":
         limits.append(("shakedown", contact.to_shakedown, "flows in every pass beyond it"))
+    factor = np.sqrt(row.strength)
     for name, times, reason in limits:
+        item, formula = f"roller on rail, {name}", f"{hertz}; {reason}"
         yield case_item(
-            row,
-            f"roller on rail, {name}",
-            stress,
-            stress * times,
-            "MPa",
-            factor=np.sqrt(row.strength),
-            formula=f"Hertz, {force / KILO:.0f} kN a tread; {reason}",
-            source="Johnson 1985, 4.2 and 9.1",
-            mark="S",
-            needs=row.missing_of_loads,
+            row, item, stress, stress * times, "MPa", formula, JOHNSON, factor=factor, needs=needs
         )
     if row.support == "even":
-        yield case_item(
-            row,
-            "roller on rail, specific pressure",
-            contact.specific / MEGA,
-            SPECIFIC * (EXTREME if row.group == "HZS" else 1.0) / MEGA,
-            "MPa",
-            formula=f"F / (D b), {force / KILO:.0f} kN a tread",
-            source="hardened crawler rollers 6 to 10 MPa, 1.4 times as an exception",
-            mark="R",
-            needs=row.missing_of_loads,
-        )
+        item, formula = "roller on rail, specific pressure", f"F / (D b), {force / KILO:.0f} kN a tread"
+        limit = SPECIFIC * (EXTREME if row.group == "HZS" else 1.0) / MEGA
+        yield case_item(row, item, contact.specific / MEGA, limit, "MPa", formula, HARDENED, needs=needs)
 
 
 def shoe_items(
@@ -144,18 +106,19 @@ def shoe_items(
 ) -> Iterator[AssessedItem]:
     """Yield the greatest stress of the shoe by check cases."""
     by_name = {row.name: row for row in loads}
+    limit = settings.material.yield_strength / MEGA
     for stress in stresses:
+        row = by_name[stress.load_case]
         yield case_item(
-            by_name[stress.load_case],
+            row,
             "shoe, static stress",
             stress.stress / MEGA,
-            settings.material.yield_strength / MEGA,
+            limit,
             "MPa",
-            factor=by_name[stress.load_case].strength,
-            formula=f"check case {stress.check_case!r}, {stress.region}",
-            source="finite elements",
-            mark="D",
-            needs=by_name[stress.load_case].missing_of_loads,
+            f"check case {stress.check_case!r}, {stress.region}",
+            Source("finite elements", "D"),
+            factor=row.strength,
+            needs=row.missing_of_loads,
         )
 
 
@@ -168,20 +131,9 @@ def fatigue_item(
     way = numbers.chain.speed * 3600.0 * settings.travel_part * settings.hours
     around = numbers.chain.shoes * numbers.chain.pitch
     passes = rollers * way / around
-    return AssessedItem(
-        "shoe, fatigue",
-        row.name,
-        row.group,
-        passes,
-        fatigue.cycles,
-        "cycles",
-        1.0,
-        passes / fatigue.cycles,
-        row.basis,
-        f"passes of rollers in {settings.hours:g} h, {settings.travel_part:g} of them in travel; "
-        f"{fatigue.region}, amplitude {fatigue.amplitude / MEGA:.0f} MPa by {0.5 * row.roller / KILO:.0f} kN "
-        "a tread",
-        "FKM guideline by check cases",
-        "S",
-        needs=row.missing_of_loads,
-    )
+    travel = f"passes of rollers in {settings.hours:g} h, {settings.travel_part:g} of them in travel"
+    stress = f"{fatigue.region}, amplitude {fatigue.amplitude / MEGA:.0f} MPa"
+    formula = f"{travel}; {stress} by {0.5 * row.roller / KILO:.0f} kN a tread"
+    source = Source("FKM guideline by check cases", "S")
+    needs = row.missing_of_loads
+    return case_item(row, "shoe, fatigue", passes, fatigue.cycles, "cycles", formula, source, needs=needs)

@@ -6,9 +6,11 @@ The beams follow the statics of crane and rig guidance (triangle: eng-tips 18565
 """
 
 from collections.abc import Callable
+from itertools import product
 from typing import NamedTuple
 
 import numpy as np
+from scipy.optimize import brentq
 
 from exudyn_crawler.assessment.forces import Floats, Numbers, Resultant
 
@@ -194,31 +196,24 @@ def plate_pressure(
         motion = _stepped(ground, plane, motion, np.linalg.solve(part * (plane * slope) @ plane.T, missing))
     else:
         raise ValueError(f"no plane of depths carries {weight:.4g} N at x = {ahead:.4g} m, y = {aside:.4g} m")
+    sides = product((-0.5, 0.5), (-0.5, 0.5), (-1.0, 1.0))
     corners = np.array(
-        [
-            [1.0, sx * 0.5, sy * 0.5 * (1.0 + side * width / gauge)]
-            for sx in (-1.0, 1.0)
-            for sy in (-1.0, 1.0)
-            for side in (-1.0, 1.0)
-        ]
+        [[1.0, x_side, y_side * (1.0 + edge * width / gauge)] for x_side, y_side, edge in sides]
     )
     at_corners = ground(corners @ motion)[0]
     return PlatePressure(float(at_corners.max()), float(at_corners.min()), x, y, pressure)
 
 
 def _even_depth(law: Law, pressure: float) -> float:
-    """Return the depth (m) at which a ground has a pressure (Pa), by doubling and bisection."""
+    """Return the depth (m) at which a ground has a pressure (Pa)."""
+
+    def excess(depth: float) -> float:
+        return float(law(np.array([depth]))[0][0]) - pressure
+
     high = 1e-6
-    while law(np.array([high]))[0][0] < pressure:
+    while excess(high) < 0.0:
         high *= 2.0
-    low = 0.0
-    for _ in range(ITERATIONS):
-        middle = 0.5 * (low + high)
-        if law(np.array([middle]))[0][0] < pressure:
-            low = middle
-        else:
-            high = middle
-    return high
+    return float(brentq(excess, 0.0, high))
 
 
 def _stepped(law: Law, plane: Floats, motion: Floats, step: Floats) -> Floats:

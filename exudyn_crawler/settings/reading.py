@@ -4,7 +4,6 @@ All values of the program are in SI units. In place of a number a file may have 
 which `units` reads.
 """
 
-import difflib
 import json
 import re
 import tomllib
@@ -16,7 +15,7 @@ from typing import Any, TypeVar
 from pydantic import BaseModel, ValidationError
 from pydantic.fields import FieldInfo
 
-from exudyn_crawler.errors import CaseFileError
+from exudyn_crawler.errors import CaseFileError, did_you_mean
 from exudyn_crawler.settings import error_lines, fields, units
 
 Model = TypeVar("Model", bound=BaseModel)
@@ -186,8 +185,7 @@ def _named(name: object, kind: type[BaseModel], path: fields.KeyPath) -> Content
     constructors = fields.named_values(kind)
     if isinstance(name, str) and name in constructors:
         return constructors[name]().model_dump(mode="json")
-    near = difflib.get_close_matches(str(name), constructors, n=1)
-    hint = f"did you mean {near[0]!r}? " if near else ""
+    hint = did_you_mean(name, constructors)
     allowed = ", ".join(map(repr, constructors)) or "no names at all"
     raise ValueError(
         f"{fields.path_text((*path, fields.BASE))}: no {fields.shown(name)}; {hint}allowed are {allowed}"

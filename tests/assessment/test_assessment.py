@@ -45,7 +45,7 @@ def test_items_are_sorted_and_the_first_line_says_what_governs(found):
     assert names[0] in found.lines[0]
     over = [one.item for one in found.governing if one.utilisation > 1.0]
     assert found.lines[1].startswith(f"{len(over)} of {len(names)} items exceed")
-    assert all(one.source and one.formula and one.mark in "SDR" for one in found.governing)
+    assert all(one.source.text and one.formula and one.source.mark in "SDR" for one in found.governing)
 
 
 def test_pressure_straight_ahead_by_hand(found):
@@ -178,7 +178,7 @@ def test_every_factor_says_where_it_comes_from(found):
     assert with_factor.any()
     assert table.loc[with_factor, "factor from"].str.endswith("[R]").all()
     assert (table.loc[~with_factor, "factor from"] == "").all()
-    assert "remembered" in item(found, "tipping").source
+    assert "remembered" in item(found, "tipping").source.text
 
 
 def test_moments_about_each_edge_by_hand(found):

@@ -13,13 +13,11 @@ from exudyn_crawler.errors import ParameterError
 from exudyn_crawler.machines.case_file import CaseFile
 from exudyn_crawler.machines.datasheet import library
 from exudyn_crawler.machines.datasheet.derive import derived
-from exudyn_crawler.machines.datasheet.sheet import Datasheet
+from exudyn_crawler.machines.datasheet.sheet import OF_RUN, Datasheet
 from exudyn_crawler.machines.datasheet.shoe_mesh import flexible_of
 from exudyn_crawler.settings import error_lines, fields, reading
 
 KEY = "datasheet"
-OF_RUN = ("travel", "speed", "grade", "shoe_mesh")
-"""Values of a datasheet that do not change the machine."""
 
 
 def has_datasheet(content: reading.Content) -> bool:

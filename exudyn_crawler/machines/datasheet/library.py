@@ -1,6 +1,5 @@
 """Library of machines as files: datasheets with their sources, as starting points and examples."""
 
-import difflib
 import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
@@ -8,19 +7,14 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from exudyn_crawler.errors import ParameterError
-from exudyn_crawler.machines.datasheet.sheet import Datasheet
+from exudyn_crawler.errors import ParameterError, did_you_mean
+from exudyn_crawler.machines.datasheet.sheet import FIGURES, Datasheet
 from exudyn_crawler.settings import fields, reading
 
 NAME = re.compile(r"^name\s*=.*$")
 FOLDER = Path(__file__).with_name("library")
 ANOTHER = 0.2
 """Relative change of weight or shoe above which a machine differs from the library's."""
-NO_FIGURES = (
-    *("source", "began_as", "remembered", "typical", "lift_chart", "kind", "sprocket", "travel", "grade"),
-    *("speed", "suspension", "recoil_spring", "shoe_kind", "shoe_mesh"),
-)
-"""Fields of a datasheet that are no maker's figures."""
 SCALES = ("operating_weight", "shoe_width", "pitch", "shoe_weight")
 """Figures that give the size of a machine and its shoe."""
 
@@ -36,8 +30,7 @@ def machine_content(name: object) -> reading.Content:
     known = machines()
     if isinstance(name, str) and name in known:
         return reading.toml_content(known[name], "datasheet")
-    near = difflib.get_close_matches(str(name), known, n=1)
-    hint = f"did you mean {near[0]!r}? " if near else ""
+    hint = did_you_mean(name, known)
     raise ParameterError(f"datasheet.base: no {name!r}; {hint}allowed are {', '.join(map(repr, known))}")
 
 
@@ -103,14 +96,12 @@ def left_of_library(sheet: Datasheet) -> Iterator[str]:
         own, before = getattr(sheet, name), getattr(machine.sheet, name)
         if own and before and not 1.0 / (1.0 + ANOTHER) <= own / before <= 1.0 + ANOTHER:
             unit = fields.unit_of(Datasheet.model_fields[name])
-            units = {"t": 1e3, "kg": 1.0} if unit == "kg" else {unit: 1.0}
-            texts = (fields.in_units(value, units, digits=4) for value in (own, before))
+            texts = (fields.quantity_text(value, unit) for value in (own, before))
             changes.append(f"{name} {' in place of '.join(texts)}")
     stays = [
         name
-        for name, field in Datasheet.model_fields.items()
-        if name not in NO_FIGURES
-        and getattr(sheet, name) not in (None, field.default)
+        for name in FIGURES
+        if getattr(sheet, name) not in (None, Datasheet.model_fields[name].default)
         and getattr(sheet, name) == getattr(machine.sheet, name)
     ]
     if changes and stays:

@@ -8,7 +8,7 @@ from typing import Any
 
 from exudyn_crawler.case.case import Case
 from exudyn_crawler.machines.datasheet import library, typical
-from exudyn_crawler.machines.datasheet.sheet import Datasheet
+from exudyn_crawler.machines.datasheet.sheet import FIGURES, Datasheet
 from exudyn_crawler.origins import Entry, Ledger, Origin, Rule, Ruled, read_rules
 from exudyn_crawler.settings import fields
 
@@ -38,18 +38,17 @@ def figure_entry(sheet: Datasheet, name: str) -> Entry:
     field = type(sheet).model_fields[name]
     value = getattr(sheet, name)
     machine = library.beginning(sheet)
-    origin, how = Origin.GIVEN, sheet.source or FILE
     recalled = name in sheet.remembered
+    origin, how = Origin.GIVEN, sheet.source or FILE
     if machine is not None and getattr(machine.sheet, name) == value:
         origin, how = Origin.LIBRARY, machine.source
         if recalled:
             origin, how = Origin.ASSUMED, f"of the library's {machine.title}, {RECALLED}"
-    elif machine is not None:
-        how = FILE if sheet.source == machine.sheet.source else how
-        # values recalled of that machine are not those of this file
-        recalled = recalled and name not in machine.sheet.remembered
-    if recalled and origin is Origin.GIVEN:
+    # values recalled of that machine are not those of this file
+    elif recalled and (machine is None or name not in machine.sheet.remembered):
         origin, how = Origin.ASSUMED, RECALLED
+    elif machine is not None and sheet.source == machine.sheet.source:
+        how = FILE
     return Entry(f"{KEY}.{name}", value, fields.unit_of(field), origin, how, field.description or "")
 
 
@@ -138,7 +137,7 @@ class RuledMachine:
         """Yield the entries of figures: those of the datasheet, then the derived ones."""
         for name in type(self.printed).model_fields:
             path = f"{KEY}.{name}"
-            if self._is_printed(name) and name not in library.NO_FIGURES:
+            if self._is_printed(name) and name in FIGURES:
                 yield figure_entry(self.printed, name)
             elif path in self.ruled:
                 field = type(self.printed).model_fields[name]

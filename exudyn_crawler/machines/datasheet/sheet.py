@@ -17,6 +17,8 @@ Kind = Literal["excavator", "dozer", "loader", "shovel", "crane", "drill", "pave
 ShoeKind = Literal["single grouser", "double grouser", "triple grouser", "plain", "mining"]
 LEAST_GAPS = 7.0
 GREATEST_GAPS = 30.0
+OF_RUN = ("travel", "speed", "grade", "shoe_mesh")
+"""Values of a datasheet that do not change the machine."""
 
 
 class DatasheetError(ParameterError):
@@ -278,3 +280,9 @@ class Datasheet(Parameters):
     def has_road_wheels(self) -> bool:
         """True for a vehicle on arms: sprocket and idler lie beyond its outer road wheels."""
         return self.kind == "vehicle" and self.has_arms
+
+
+FIGURES = tuple(
+    name for name, field in Datasheet.model_fields.items() if fields.has_unit(field) and name not in OF_RUN
+)
+"""Names of the maker's figures: all quantities of the machine itself."""
