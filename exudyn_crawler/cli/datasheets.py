@@ -1,7 +1,6 @@
 """Datasheets on the command line: copies of the library's machines, and tables of origins of values."""
 
 from pathlib import Path
-from typing import Any, Literal, get_args, get_origin
 
 import typer
 
@@ -44,19 +43,12 @@ def show_keys() -> None:
     from exudyn_crawler.machines.datasheet.sheet import Datasheet
     from exudyn_crawler.settings import fields
 
-    rows = [
-        (name, fields.unit_of(field), f"{field.description}{_choices(field.annotation)}")
-        for name, field in Datasheet.model_fields.items()
-    ]
+    rows = []
+    for name, field in Datasheet.model_fields.items():
+        words = fields.literals(field.annotation)
+        meaning = ": ".join(filter(None, (field.description, ", ".join(words))))
+        rows.append((name, fields.unit_of(field), meaning))
     print_rows(("key", "unit", "meaning"), rows, 'Keys of [datasheet]; values may have any unit: "35.4 t"')
-
-
-def _choices(annotation: Any) -> str:
-    """Return the words that a value may be; empty for all other values."""
-    parts = annotation if get_origin(annotation) is Literal else None
-    if parts is None:
-        return next(filter(None, map(_choices, get_args(annotation))), "")
-    return f": {', '.join(get_args(parts))}"
 
 
 def show_values(case_file: "crawler.CaseFile", title: str) -> None:

@@ -279,6 +279,11 @@ Footprint = Annotated[
 ]
 Body = Annotated[str | None, typer.Option(help="number of the solid, the largest is 1; or all", metavar="N")]
 Pins = Annotated[int, typer.Option(help="number of the pair of bores, the likeliest is 1", min=1)]
+ShapeChoices = tuple[
+    Literal["mm", "m", "inch", "cm"] | None, bool, bool, Literal["plate", "tips"] | None, str | None, int
+]
+"""Options above in the order of `meshes.recognition.axes.Choices`."""
+NO_CHOICES: ShapeChoices = (None, False, False, None, None, 1)
 Size = Annotated[
     Literal["coarse", "study", "fine"], typer.Option(help="of the elements of a solid that is meshed")
 ]
@@ -306,6 +311,11 @@ def shoe(
     if file.suffix.lower() == ".toml":
         datasheets.fit_shoe(file, size, out, overwrite)
         return
+    write_maker_shoe(file, (unit, flip_front, flip_up, footprint, body, pins), size, out, overwrite)
+
+
+def write_maker_shoe(file: Path, choices: ShapeChoices, size: str, out: Path, overwrite: bool) -> None:
+    """Write mesh, case and picture of the shoe in a maker's file into a folder."""
     from exudyn_crawler.files import refuse_existing
     from exudyn_crawler.shoe_file import paths_of, shoe_name, shoe_of, write_shoe
     from meshes.recognition.axes import Choices
@@ -314,7 +324,7 @@ def shoe(
     for path in paths_of(name, out).values():
         refuse_existing(path, overwrite)
     with heartbeat(f"shoe of {file}"):
-        recognised = shoe_of(file, Choices(unit, flip_front, flip_up, footprint, body, pins), size)
+        recognised = shoe_of(file, Choices(*choices), size)
         paths = write_shoe(recognised, out, overwrite)
     print_table(recognised.table, f"{name}: shoe of {file}")
     typer.echo("\n".join(recognised.lines()))
@@ -346,25 +356,15 @@ def check(
 ) -> None:
     """Check a shoe by static cases without a run: which case cracks which region after how many cycles."""
     of_maker = file.suffix.lower() != ".toml"
+    choices = unit, flip_front, flip_up, footprint, body, pins
     # a run of the same case has the folder with its name
     folder = out or application.RESULTS / (file.stem if of_maker else f"{file.stem}_check")
     if of_maker:
-        shoe(
-            file=file,
-            unit=unit,
-            flip_front=flip_front,
-            flip_up=flip_up,
-            footprint=footprint,
-            body=body,
-            pins=pins,
-            size=size,
-            out=folder,
-            overwrite=overwrite,
-        )
+        write_maker_shoe(file, choices, size, folder, overwrite)
         from exudyn_crawler.shoe_file import shoe_name
 
         file = folder / f"{shoe_name(file)}.toml"
-    elif (unit, flip_front, flip_up, footprint, body, pins) != (None, False, False, None, None, 1):
+    elif choices != NO_CHOICES:
         raise ValueError(f"flags of a shoe's shape must go with a maker's file, got {file}")
     result = crawler.check_cases(file, folder, pictures=pictures, overwrite=overwrite, say=typer.echo)
     from exudyn_crawler.views.pages.life import check_lines

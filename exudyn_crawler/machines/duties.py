@@ -48,20 +48,22 @@ def lists() -> dict[str, dict[str, Callable[[CaseFile], Values]]]:
     Travel and work apply to machines from datasheets.
     """
     laws = presets(CellContact.model_fields["law"])
+    travels: Values = {"drive": None, "machine": None, "duration": TRAVELLED}
     return {
-        SOIL: {name: partial(_on_soil, law=law) for name, law in laws.items()},
-        SLOPE: {name: partial(_on_slope, grades=grades) for name, grades in SLOPES.items()},
+        SOIL: {name: _always({"contact": {"model": "cells", "law": law}}) for name, law in laws.items()},
+        SLOPE: {
+            name: _always({"terrain.grade": grade, "terrain.side_slope": across})
+            for name, (grade, across) in SLOPES.items()
+        },
         OBSTACLE: {name: partial(_before_obstacle, name=name) for name in OBSTACLES},
-        DUTY: {name: partial(_travelling, way=way) for name, way in TRAVELS.items()} | {DIG: _digging},
+        DUTY: {name: _always(travels | {f"{KEY}.travel": way}) for name, way in TRAVELS.items()}
+        | {DIG: _digging},
     }
 
 
-def _on_soil(_case_file: CaseFile, law: Values) -> Values:
-    return {"contact": {"model": "cells", "law": law}}
-
-
-def _on_slope(_case_file: CaseFile, grades: tuple[float | None, float | None]) -> Values:
-    return {"terrain.grade": grades[0], "terrain.side_slope": grades[1]}
+def _always(values: Values) -> Callable[[CaseFile], Values]:
+    """Return a function that gives the same values for every case file."""
+    return lambda _case_file: values
 
 
 def _before_obstacle(case_file: CaseFile, name: str) -> Values:
@@ -69,10 +71,6 @@ def _before_obstacle(case_file: CaseFile, name: str) -> Values:
     number = len(case.terrain.relief.parts)
     x = round(float(case.outline(0.0)[:, 0].max()) + AHEAD, 2)
     return {f"terrain.relief.parts[{number}]": {"name": name, "x": x} | OBSTACLES[name]}
-
-
-def _travelling(_case_file: CaseFile, way: str) -> Values:
-    return {f"{KEY}.travel": way, "drive": None, "machine": None, "duration": TRAVELLED}
 
 
 def _digging(case_file: CaseFile) -> Values:

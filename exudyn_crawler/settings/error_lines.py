@@ -117,8 +117,11 @@ def _lines(faults: Sequence[Mapping[str, Any]], model: type[pydantic.BaseModel])
         if choice is not None:
             yield from _of_choice(choice, together, model)
         elif table is not None and len(together) > 1:
-            say = _all_missing if together[0][1]["type"] == "missing" else _all_unknown
-            yield say(table[0], [spot for spot, _ in together], model)
+            found = [spot for spot, _ in together]
+            if table[1] == "missing":
+                yield f"{_names(table[0], found)} are missing{_start_from(found[0].table, 'them')}"
+            else:
+                yield _all_unknown(table[0], found, model)
         else:
             for spot, fault in together:
                 # refused items are absent from a list, which then counts as too short
@@ -151,11 +154,6 @@ def _together(pair: Pair) -> tuple[fields.KeyPath | None, tuple[fields.KeyPath, 
     spot, fault = pair
     is_of_table = fault["type"] in OF_TABLES and spot.place and isinstance(spot.place[-1], str)
     return spot.choice, (spot.place[:-1], fault["type"]) if is_of_table else None
-
-
-def _all_missing(table: fields.KeyPath, spots: Sequence[Spot], _model: type[pydantic.BaseModel]) -> str:
-    """Return the line of several values that a table lacks."""
-    return f"{_names(table, spots)} are missing{_start_from(spots[0].table, 'them')}"
 
 
 def _all_unknown(table: fields.KeyPath, spots: Sequence[Spot], model: type[pydantic.BaseModel]) -> str:

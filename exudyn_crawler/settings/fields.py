@@ -6,7 +6,7 @@ import math
 import re
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
-from typing import Any, NamedTuple, TypeGuard, get_args
+from typing import Any, Literal, NamedTuple, TypeGuard, get_args, get_origin
 
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
@@ -154,6 +154,13 @@ def models_of(annotation: Any) -> tuple[type[BaseModel], ...]:
         # a class with plugged-in classes lists them
         return tuple(annotation.plugged_in()) if hasattr(annotation, "plugged_in") else (annotation,)
     return tuple(model for part in get_args(annotation) for model in models_of(part))
+
+
+def literals(annotation: Any) -> list[Any]:
+    """Return the values of all literals in an annotation."""
+    if get_origin(annotation) is Literal:
+        return list(get_args(annotation))
+    return [choice for part in get_args(annotation) for choice in literals(part)]
 
 
 def tag_field(kind: type[BaseModel]) -> str:
@@ -309,12 +316,6 @@ def number_text(value: float) -> str:
     return repr(value)
 
 
-def in_units(value: float, units: Mapping[str, float], digits: int = 3) -> str:
-    """Return the text of a number in the first unit (greatest first) that is not above it, else the last."""
-    unit = next((name for name, size in units.items() if abs(value) >= size), [*units][-1])
-    return f"{value / units[unit]:.{digits}g} {unit}"
-
-
 READ_IN: dict[str, dict[str, float]] = {
     "m": {"m": 1.0, "mm": 1e-3},
     "kg": {"t": 1e3, "kg": 1.0},
@@ -326,23 +327,28 @@ READ_IN: dict[str, dict[str, float]] = {
 """Units for readers, greatest first, with their size in the SI unit."""
 
 
+def in_units(value: float, units: Mapping[str, float], digits: int = 3) -> str:
+    """Return the text of a number in the first unit (greatest first) that is not above it, else the last."""
+    unit = unit_among(value, units)
+    return f"{value / units[unit]:.{digits}g} {unit}"
+
+
+def unit_among(value: float, units: Mapping[str, float]) -> str:
+    """Return the first unit (greatest first) that is not above a value, else the last."""
+    return next((name for name, size in units.items() if abs(value) >= size), [*units][-1])
+
+
 def quantity_text(value: float, unit: str) -> str:
     """Return the text of a quantity with four digits and a unit for readers: 35.37 t, 140 mm."""
-    name = read_unit(value, unit)
-    return f"{four_digits(value / READ_IN.get(unit, {}).get(name, 1.0))} {name}".rstrip()
+    return span_text(value, value, unit)
 
 
 def span_text(least: float, greatest: float, unit: str) -> str:
     """Return the text of a span with four digits, in the unit of its end: 0.8188 to 4.094 m."""
-    name = read_unit(greatest, unit)
-    size = READ_IN.get(unit, {}).get(name, 1.0)
-    return f"{four_digits(least / size)} to {four_digits(greatest / size)} {name}".rstrip()
-
-
-def read_unit(value: float, unit: str) -> str:
-    """Return the unit of a quantity for readers: the greatest that is not above it, else the least."""
     units = READ_IN.get(unit, {unit: 1.0})
-    return next((name for name, size in units.items() if abs(value) >= size), [*units][-1])
+    name = unit_among(greatest, units)
+    texts = dict.fromkeys(four_digits(value / units[name]) for value in (least, greatest))
+    return f"{' to '.join(texts)} {name}".rstrip()
 
 
 def four_digits(value: float) -> str:
@@ -441,7 +447,7 @@ def meant(value: float, unit: str, span: tuple[float, float]) -> str:
     likely = [f"{four_digits(value)} {name}" for name in _likely_units(value, unit, span)]
     if not likely:
         tens = [value * power for power in TENS if span[0] <= value * power <= span[1]]
-        name = read_unit(value, unit)
-        size = READ_IN.get(unit, {}).get(name, 1.0)
-        likely = [f"{four_digits(ten / size)} {name}".rstrip() for ten in tens[:1]]
+        units = READ_IN.get(unit, {unit: 1.0})
+        name = unit_among(value, units)
+        likely = [f"{four_digits(ten / units[name])} {name}".rstrip() for ten in tens[:1]]
     return f"; did you mean {' or '.join(likely)}?" if likely else ""

@@ -5,7 +5,7 @@ error; unit and choices come from the field.
 """
 
 from collections.abc import Mapping
-from typing import Any, Literal, get_args, get_origin
+from typing import Any
 
 from pydantic.fields import FieldInfo
 
@@ -59,15 +59,8 @@ def sentence(error_type: str, context: Mapping[str, Any], field: FieldInfo | Non
     unit = fields.unit_of(field) if field else ""
     values = {name: f"{value:.12g}" if fields.is_number(value) else value for name, value in context.items()}
     values |= {"unit": f" {unit}" if unit else "", "plural": "" if counts == [1] else "s"}
-    values |= {"choices": _either([repr(choice) for choice in _choices(field and field.annotation)])}
+    values |= {"choices": _either([repr(choice) for choice in fields.literals(field and field.annotation)])}
     return SENTENCES.get(error_type, OTHER).format_map(values)
-
-
-def _choices(annotation: Any) -> list[Any]:
-    """Return the values of all literals in an annotation."""
-    if get_origin(annotation) is Literal:
-        return list(get_args(annotation))
-    return [choice for part in get_args(annotation) for choice in _choices(part)]
 
 
 def _either(words: list[str]) -> str:

@@ -6,6 +6,13 @@ import numpy as np
 import pytest
 
 from exudyn_crawler.machines.datasheet import rules, typical
+from exudyn_crawler.machines.datasheet.chain import chain_of
+from exudyn_crawler.machines.datasheet.sheet import Datasheet
+
+N, GAPS, DEPTH, G = 45, 10.5, 0.3, 0.02
+"""Shoes, gaps of the sprocket, depth of the plate below the pins in pitches, height of grousers in m."""
+CIRCLE = 1.0 / math.sin(math.pi / GAPS)
+"""Diameter of the pins' circle, pitches."""
 
 
 def test_pins_circle_of_a_half_pitch_sprocket_is_that_of_its_service_manual():
@@ -23,33 +30,46 @@ def test_pins_on_the_circle_are_a_pitch_apart():
 
 def test_pitch_that_closes_the_loop_of_a_komatsu_pc300lc_is_that_of_its_chain():
     # C = 4.030, L = 4.955 m, 48 shoes; 215.9 mm with 0.44 pitches from the pin to the tip of the grousers
-    assert rules.pitch_of_loop(4.030, 4.955, 48, 0.44, 0.0) == pytest.approx(0.2159, rel=1e-3)
-    assert rules.pitch_of_loop(4.030, 4.955, 48, 0.275, 0.036) == pytest.approx(0.2159, rel=1e-3)
+    for depth, grouser in ((0.44, 0.0), (0.275, 0.036)):
+        pitch = rules.closing_pitch(
+            48, lambda p, d=depth, g=grouser: (4.03, 4.955 - 4.03 - 2.0 * (d * p + g))
+        )
+        assert pitch == pytest.approx(0.2159, rel=1e-3)
 
 
-def test_pitch_that_closes_a_loop_closes_it():
-    on_ground, over, shoes, depth, grouser = 3.1, 3.9, 45, 0.3, 0.02
-    pitch = rules.pitch_of_loop(on_ground, over, shoes, depth, grouser)
-    circle = over - on_ground - 2.0 * (depth * pitch + grouser)
-    assert rules.loop_length(on_ground, circle) == pytest.approx(shoes * pitch, rel=1e-12)
-    pitch = rules.pitch_of_gaps(on_ground, shoes, 10.5)
-    assert rules.loop_length(on_ground, rules.pin_circle(pitch, 10.5)) == pytest.approx(
-        shoes * pitch, rel=1e-12
-    )
+LENGTHS = {
+    "length_on_ground crawler_length": lambda c, whole: (
+        (2.0 * c + math.pi * (whole - c - 2.0 * G)) / (N + 2.0 * math.pi * DEPTH)
+    ),
+    "length_on_ground": lambda c, _whole: 2.0 * c / (N - math.pi * CIRCLE),
+    "crawler_length": lambda _c, whole: (
+        2.0 * (whole - 2.0 * G) / (N + 4.0 * DEPTH - (math.pi - 2.0) * CIRCLE)
+    ),
+}
+"""Pitch by the closed forms of the table of rules."""
 
 
-def test_pitches_that_close_about_wheels_of_a_sprockets_size_close():
-    over, shoes, gaps, depth, grouser, share = 5.2, 47, 10.5, 0.28, 0.03, 0.35
-    pitch = rules.pitch_of_crawler(over, shoes, gaps, depth, grouser)
-    circle = rules.pin_circle(pitch, gaps)
-    on_ground = over - circle - 2.0 * (depth * pitch + grouser)
-    assert rules.loop_length(on_ground, circle) == pytest.approx(shoes * pitch, rel=1e-12)
-    # as long on the ground as its pressure says, which counts a share of the ends
-    whole = rules.ground_length(on_ground, over, share)
-    assert rules.pitch_of_whole(whole, shoes, gaps, (depth, grouser), share) == pytest.approx(
-        pitch, rel=1e-12
-    )
-    assert rules.pitch_of_ends(over - on_ground, gaps, depth, grouser) == pytest.approx(pitch, rel=1e-12)
+@pytest.mark.parametrize("given", LENGTHS)
+def test_pitch_of_a_number_of_shoes_is_the_closed_form_of_its_rule_and_closes_the_loop(given):
+    lengths = {"length_on_ground": 3.1, "crawler_length": 3.9}
+    values = {"operating_weight": 30e3, "gauge": 2.5, "shoe_width": 0.6, "shoes": N, "grouser_height": G}
+    values |= {name: lengths[name] for name in given.split()}
+    sheet = Datasheet(**values, sprocket_gaps=GAPS, typical={"plate_depth": DEPTH})
+    chain = chain_of(sheet, 9.81)
+    assert chain.pitch == pytest.approx(LENGTHS[given](*lengths.values()), rel=1e-12)
+    assert rules.loop_length(chain.on_ground, chain.diameter) == pytest.approx(N * chain.pitch, rel=1e-12)
+
+
+def test_pitch_of_a_printed_area_counts_a_share_of_the_ends():
+    values = {"operating_weight": 30e3, "gauge": 2.5, "shoe_width": 0.6, "shoes": N, "grouser_height": G}
+    sheet = Datasheet(**values, contact_area=4.2, sprocket_gaps=GAPS, typical={"plate_depth": DEPTH})
+    chain = chain_of(sheet, 9.81)
+    share = sheet.typical_value("pressure_share")
+    counted = rules.ground_length(chain.on_ground, chain.over_shoes, share)
+    assert counted == pytest.approx(4.2 / 1.2, rel=1e-12)
+    assert rules.loop_length(chain.on_ground, chain.diameter) == pytest.approx(N * chain.pitch, rel=1e-12)
+    ends = chain.over_shoes - chain.on_ground
+    assert rules.pitch_of_ends(ends, GAPS, DEPTH, G) == pytest.approx(chain.pitch, rel=1e-12)
 
 
 @pytest.mark.parametrize(("mass", "pitch"), [(13e3, 0.171), (27e3, 0.203), (35e3, 0.2159), (1.41e6, 0.6557)])

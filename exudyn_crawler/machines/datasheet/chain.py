@@ -135,24 +135,34 @@ def _pitch(sheet: Datasheet, gravity: float) -> Ruled:
 
 def _closing_pitch(sheet: Datasheet, shoes: int, gravity: float) -> Ruled | None:
     """Return the pitch (m) at which this number of shoes closes about the lengths; None without a length."""
-    on_ground = sheet.length_on_ground
-    over_shoes = sheet.crawler_length
+    ground = sheet.length_on_ground
+    crawler = sheet.crawler_length
     depth, grouser = _tips(sheet)
-    if on_ground is not None and over_shoes is not None:
-        pitch = rules.pitch_of_loop(on_ground, over_shoes, shoes, depth, grouser)
+    gaps = _gaps(sheet)
+
+    def beyond(pitch: float) -> float:
+        """Return twice the depth of the grouser tips below the pins, m."""
+        return 2.0 * (depth * pitch + grouser)
+
+    def circle(pitch: float) -> float:
+        return rules.pin_circle(pitch, gaps)
+
+    if ground is not None and crawler is not None:
+        pitch = rules.closing_pitch(shoes, lambda p: (ground, crawler - ground - beyond(p)))
         if pitch > 0.0:
             return Ruled(pitch, "lengths")
-    gaps = _gaps(sheet)
-    if on_ground is not None:
-        return Ruled(rules.pitch_of_gaps(on_ground, shoes, gaps), "length on ground")
-    if over_shoes is not None:
-        return Ruled(rules.pitch_of_crawler(over_shoes, shoes, gaps, depth, grouser), "crawler length")
+    if ground is not None:
+        return Ruled(rules.closing_pitch(shoes, lambda p: (ground, circle(p))), "length on ground")
+    if crawler is not None:
+        pitch = rules.closing_pitch(shoes, lambda p: (crawler - circle(p) - beyond(p), circle(p)))
+        return Ruled(pitch, "crawler length")
     counted = sheet.counted_length(gravity)
-    if counted is not None:
-        share = sheet.typical_value("pressure_share")
-        pitch = rules.pitch_of_whole(counted.value, shoes, gaps, (depth, grouser), share)
-        return counted._replace(value=pitch)
-    return None
+    if counted is None:
+        return None
+    counts: float = counted.value
+    share = sheet.typical_value("pressure_share")
+    pitch = rules.closing_pitch(shoes, lambda p: (counts - share * (circle(p) + beyond(p)), circle(p)))
+    return counted._replace(value=pitch)
 
 
 def _tips(sheet: Datasheet) -> tuple[float, float]:

@@ -26,8 +26,6 @@ from exudyn_crawler.machines.datasheet.sheet import Datasheet, DatasheetError
 from exudyn_crawler.origins import Ledger, Ruled
 
 LONG_NUMBER = re.compile(r"(?<![\w.])-?\d+\.\d{3,}(?:e[+-]?\d+)?(?!\w)")
-SMALLER = 0.8, 0.6, 0.4, 0.2, 0.1
-"""Factors tried on a sag that allows no machine."""
 
 
 @dataclass(frozen=True)
@@ -102,17 +100,12 @@ def _followed(sheet: Datasheet, case: Case) -> dict[str, float]:
 
 
 def _refusal(sheet: Datasheet, error: ParameterError) -> str:
-    """Return the reason that no machine follows: its sag if a smaller one works, else the error's line 1."""
-    sag = sheet.sag or 0.0
-    for smaller in (share * sag for share in SMALLER if sag > 0.0):
-        try:
-            _derived(sheet.with_(sag=smaller))
-        except ParameterError:
-            continue
-        return (
-            f"a sag of {1e3 * sag:.3g} mm lets the idler back into the wheel next to it; "
-            f"{1e3 * smaller:.2g} mm do"
-        )
+    """Return the reason that no machine follows: its sag if the usual one works, else the error's line 1."""
+    if sheet.sag:
+        with suppress(ParameterError):
+            usual = _derived(sheet.with_(sag=None)).case.part(Closed).wanted_sag
+            back = f"a sag of {1e3 * sheet.sag:.3g} mm lets the idler back into the wheel next to it"
+            return f"{back}; {1e3 * usual:.2g} mm do"
     return f"the machine that follows cannot be built: {rounded(str(error).splitlines()[0])}"
 
 

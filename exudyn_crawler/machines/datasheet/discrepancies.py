@@ -48,20 +48,21 @@ def odd_machine(case_file: CaseFile) -> Iterator[str]:
     follows = {} if machine is None else {entry.path: entry.value for entry in fields.values_of(machine)}
     own = {entry.path: entry for entry in fields.values_of(case) if follows.get(entry.path) != entry.value}
     sizes = plausible.Sizes(machine_mass(case), case.track.pitch, case.gear.length)
-    for name, path in places().items():
-        entry = own.get(path)
-        if entry is not None and (line := plausible.odd(name, entry.value, entry.unit, kind, sizes)):
-            yield f"{path}: {line}"
-    shoes = case.track.shoe_count // 2
-    if "track.shoe_count" in own and (line := plausible.odd("shoes", shoes, "", kind, sizes)):
-        yield f"track.shoe_count: of one track, {line}"
+    rows = [
+        (path, "", name, own[path].value, own[path].unit) for name, path in places().items() if path in own
+    ]
+    if "track.shoe_count" in own:
+        rows.append(("track.shoe_count", "of one track, ", "shoes", case.track.shoe_count // 2, ""))
     speed = max(map(abs, case.drive.speed.values))
-    if "drive.speed" in own and speed and (line := plausible.odd("speed", speed, "m/s", kind, sizes)):
-        yield f"drive.speed: {line}"
+    if "drive.speed" in own and speed:
+        rows.append(("drive.speed", "", "speed", speed, "m/s"))
     if "gear.torque_limit" in own and case.gear.torque_limit is not None:
         pull = 2.0 * case.gear.torque_limit / case.gear.travel_per_angle(case.track)
-        if line := plausible.odd("drawbar_pull", pull, "N", kind, sizes):
-            yield f"gear.torque_limit: the pull of both tracks with it, {line}"
+        words = "the pull of both tracks with it, "
+        rows.append(("gear.torque_limit", words, "drawbar_pull", pull, "N"))
+    for path, words, name, value, unit in rows:
+        if line := plausible.odd(name, value, unit, kind, sizes):
+            yield f"{path}: {words}{line}"
 
 
 def odd_figures(sheet: Datasheet) -> Iterator[str]:

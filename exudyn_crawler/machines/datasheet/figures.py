@@ -75,14 +75,15 @@ def figures(case: Case, sheet: Datasheet) -> list[Figure]:
     return [*_built(case, sheet), *_travelling(case, sheet)]
 
 
-def _verdict(value: float, printed: float | None, most: float, made: bool = False) -> str:
-    """Return the verdict on a figure beside the printed one; no agreement if the printed one `made` it."""
-    if not printed:
-        return "follows"
-    off = value / printed - 1.0
-    if abs(off) <= most:
-        return MADE if made else "agrees"
-    return f"differs by {100.0 * off:+.1f} %"
+def _compared(
+    name: str, value: float, printed: float | None, unit: str, most: float, made: bool = False
+) -> Figure:
+    """Return a figure beside the printed one; it does not agree if the printed one `made` it."""
+    verdict = "follows"
+    if printed:
+        off = value / printed - 1.0
+        verdict = f"differs by {100.0 * off:+.1f} %" if abs(off) > most else MADE if made else "agrees"
+    return Figure(name, value, printed, unit, verdict)
 
 
 def _built(case: Case, sheet: Datasheet) -> Iterator[Figure]:
@@ -90,31 +91,28 @@ def _built(case: Case, sheet: Datasheet) -> Iterator[Figure]:
     figures_of = derived(sheet).ruled.figures_of
     of_lengths = figures_of(*ON_GROUND)
     mass = machine_mass(case)
-    printed = sheet.operating_weight
     made = "operating_weight" in figures_of("gear.mass")
-    yield Figure("weight of all parts", mass, printed, "kg", _verdict(mass, printed, CLOSE, made))
+    yield _compared("weight of all parts", mass, sheet.operating_weight, "kg", CLOSE, made)
     if sheet.shoe_weight is not None:
-        shoe = case.shoe.mass
-        verdict = _verdict(shoe, sheet.shoe_weight, CLOSE, "shoe_weight" in figures_of("shoe.mass"))
-        yield Figure("weight of a shoe", shoe, sheet.shoe_weight, "kg", verdict)
+        made = "shoe_weight" in figures_of("shoe.mass")
+        yield _compared("weight of a shoe", case.shoe.mass, sheet.shoe_weight, "kg", CLOSE, made)
     on_ground, over_shoes = lengths(case, sheet)
-    for name, value, key in (
-        ("length on ground", on_ground, "length_on_ground"),
-        ("length over shoes", over_shoes, "crawler_length"),
-    ):
-        stated = getattr(sheet, key)
-        yield Figure(name, value, stated, "m", _verdict(value, stated, OF_LENGTH, key in of_lengths))
+    made = "length_on_ground" in of_lengths
+    yield _compared("length on ground", on_ground, sheet.length_on_ground, "m", OF_LENGTH, made)
+    made = "crawler_length" in of_lengths
+    yield _compared("length over shoes", over_shoes, sheet.crawler_length, "m", OF_LENGTH, made)
     if sheet.contact_area is not None:
         area = contact_area(case, sheet)
-        verdict = _verdict(area, sheet.contact_area, CLOSE, "contact_area" in of_lengths)
-        yield Figure("contact area", area, sheet.contact_area, "m2", verdict)
-    pressure = mean_pressure(case, sheet)
+        made = "contact_area" in of_lengths
+        yield _compared("contact area", area, sheet.contact_area, "m2", CLOSE, made)
     stated = sheet.ground_pressure
-    verdict = _verdict(pressure, stated, CLOSE, "ground_pressure" in of_lengths)
-    if stated and abs(pressure / stated - 1.0) > CLOSE:
+    made = "ground_pressure" in of_lengths
+    pressure = _compared("mean ground pressure", mean_pressure(case, sheet), stated, "Pa", CLOSE, made)
+    if stated and abs(pressure.value / stated - 1.0) > CLOSE:
         counts = mass * case.gravity / (2.0 * case.shoe.width * stated)
-        verdict += f": the printed one has the weight on {counts:.3g} m of each track"
-    yield Figure("mean ground pressure", pressure, stated, "Pa", verdict)
+        where = f"the printed one has the weight on {counts:.3g} m of each track"
+        pressure = pressure._replace(verdict=f"{pressure.verdict}: {where}")
+    yield pressure
 
 
 def _travelling(case: Case, sheet: Datasheet) -> Iterator[Figure]:
@@ -161,11 +159,11 @@ def _of_motors(sheet: Datasheet, radius: float) -> Iterator[Figure]:
     printed = sheet.travel_speed
     if sheet.motor_speed is not None:
         speed = sheet.motor_speed / ratio * radius
-        yield Figure("speed by the motors", speed, printed, "m/s", _verdict(speed, printed, OF_LENGTH))
+        yield _compared("speed by the motors", speed, printed, "m/s", OF_LENGTH)
     printed = sheet.drawbar_pull
     if sheet.motor_torque is not None:
         pull = 2.0 * sheet.motor_torque * ratio * sheet.typical_value("chain_efficiency") / radius
-        yield Figure("drawbar pull by the motors", pull, printed, "N", _verdict(pull, printed, OF_LENGTH))
+        yield _compared("drawbar pull by the motors", pull, printed, "N", OF_LENGTH)
 
 
 def _grade(slope: float, pull: float | None, weight: float) -> Iterator[Figure]:

@@ -1,6 +1,7 @@
 """Rules of undercarriages: one value from others. Lengths in m, masses in kg, forces in N, angles in rad."""
 
 import math
+from collections.abc import Callable
 
 import numpy as np
 
@@ -17,44 +18,14 @@ def pitch_by_mass(mass: float, factor: float) -> float:
     return factor * (1e-3 * mass) ** (1.0 / 3.0)
 
 
-def pitch_of_loop(on_ground: float, over_shoes: float, shoes: int, depth: float, grouser: float) -> float:
-    """Return the pitch of a chain about two equal circles, from the lengths on ground and over the shoes.
+def closing_pitch(shoes: int, lengths: Callable[[float], tuple[float, float]]) -> float:
+    """Return the pitch of a chain of N shoes that closes about two equal circles: ``N p = 2 C + pi d``.
 
-    ``N p = 2 C + pi d`` with ``d = L - C - 2 (depth p + grouser)``, depth in pitches.
+    `lengths` gives the length on ground C and the diameter d of the pins' circles at a pitch. Both are linear
+    in the pitch, so that their values at two pitches give the solution.
     """
-    return (2.0 * on_ground + math.pi * (over_shoes - on_ground - 2.0 * grouser)) / (
-        shoes + 2.0 * math.pi * depth
-    )
-
-
-def pitch_of_gaps(on_ground: float, shoes: int, gaps: float) -> float:
-    """Return the pitch of a chain about two sprocket-sized circles: ``N p = 2 C + pi p / sin(pi / z)``."""
-    return 2.0 * on_ground / (shoes - math.pi / math.sin(math.pi / gaps))
-
-
-def pitch_of_crawler(over_shoes: float, shoes: int, gaps: float, depth: float, grouser: float) -> float:
-    """Return the pitch of a chain about two sprocket-sized circles, from the length over the shoes.
-
-    ``N p = 2 C + pi d`` with ``C = L - d - 2 (depth p + grouser)`` and ``d = p / sin(pi / z)``. The depth is
-    in pitches.
-    """
-    circle = 1.0 / math.sin(math.pi / gaps)
-    return 2.0 * (over_shoes - 2.0 * grouser) / (shoes + 4.0 * depth - (math.pi - 2.0) * circle)
-
-
-def pitch_of_whole(whole: float, shoes: int, gaps: float, tips: tuple[float, float], share: float) -> float:
-    """Return the pitch of a chain about two sprocket-sized circles, from the length of a ground pressure.
-
-    ``N p = 2 C + pi d`` with ``C = whole - share (d + 2 (depth p + grouser))`` and ``d = p / sin(pi / z)``;
-    `tips` are depth (pitches) and grouser (m).
-    """
-    depth, grouser = tips
-    circle = 1.0 / math.sin(math.pi / gaps)
-    return (
-        2.0
-        * (whole - 2.0 * share * grouser)
-        / (shoes - math.pi * circle + 2.0 * share * (circle + 2.0 * depth))
-    )
+    excess = [shoes * pitch - loop_length(*lengths(pitch)) for pitch in (0.0, 1.0)]
+    return excess[0] / (excess[0] - excess[1])
 
 
 def pitch_of_ends(ends: float, gaps: float, depth: float, grouser: float) -> float:

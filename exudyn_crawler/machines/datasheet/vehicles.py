@@ -85,18 +85,14 @@ def with_running_gear(sheet: Datasheet) -> tuple[Datasheet, dict[str, Ruled]]:
     wheels = sheet.lower_rollers
     if wheels is None:
         wheels = 1 + max(1, round(on_ground / (pitch * sheet.typical_value("wheel_spacing"))))
-    filled = sheet.with_(
-        length_on_ground=on_ground,
-        pitch=pitch,
-        lower_rollers=wheels,
-        sprocket_gaps=sheet.sprocket_gaps or float(round(sheet.typical_value("sprocket_gaps"))),
-    )
+    gaps = sheet.sprocket_gaps or float(round(sheet.typical_value("sprocket_gaps")))
+    filled = sheet.with_(length_on_ground=on_ground, pitch=pitch, lower_rollers=wheels, sprocket_gaps=gaps)
     if sheet.roller_diameter is not None:
         sizes = [sheet.roller_diameter]
     else:
         usual = min(pitch * sheet.typical_value("wheel_diameter"), CLEAR * on_ground / max(1, wheels - 1))
         sizes = [size * usual for size in SIZES]
-    tried = [_running(filled, size) for size in sizes]
+    tried = [_running(sheet, pitch, on_ground, gaps, size) for size in sizes]
     shoes = sheet.shoes or tried[0].shoes(1.0)
     for diameter, running in zip(sizes, tried, strict=True):
         try:
@@ -141,14 +137,8 @@ def _pitch(sheet: Datasheet, on_ground: float) -> Ruled:
     return Ruled(by_mass, "weight")
 
 
-def _running(sheet: Datasheet, diameter: float) -> RoadWheels:
+def _running(sheet: Datasheet, pitch: float, on_ground: float, gaps: float, diameter: float) -> RoadWheels:
     """Return the running gear for a diameter of road wheels, m; values not printed scale with it."""
-    pitch = sheet.pitch
-    on_ground = sheet.length_on_ground
-    gaps = sheet.sprocket_gaps
-    assert pitch is not None
-    assert on_ground is not None
-    assert gaps is not None
     depth = sheet.typical_value("plate_depth")
     rise = pitch * (sheet.typical_value("plate_thickness") + sheet.typical_value("link_height") - depth)
     grouser = sheet.grouser_height

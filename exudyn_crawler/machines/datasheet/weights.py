@@ -55,9 +55,16 @@ def weights_of(
     frame_com = (0.0, 0.0, 0.2 * height)
     body_com = (0.0, 0.0, height)
     ruled = {"datasheet.upper_weight": of_upper, "gear.car_body.mass": of_body}
-    if sheet.upper_com is None:
-        ruled["datasheet.com_ahead"] = _com_ahead(sheet, length)
-    upper_com = _upper_com(sheet, ruled.get("datasheet.com_ahead"), upper, length, axes)
+    # the case has its tumbler at the rear; a machine with its sprocket in front is reversed in it
+    ahead = 1.0 if sheet.sprocket == "rear" else -1.0
+    if sheet.upper_com is not None:
+        x, y, z = sheet.upper_com
+        upper_com = ahead * x, ahead * y, z - axes
+    else:
+        # puts the COM of the whole machine in its place
+        ruled["datasheet.com_ahead"] = place = _com_ahead(sheet, length)
+        height = length * sheet.typical_value("upper_height")
+        upper_com = ahead * place.value * sheet.operating_weight / upper, 0.0, height
     long, wide, tall = (length * sheet.typical_value(f"upper_{name}") for name in ("long", "wide", "tall"))
     radii = math.hypot(wide, tall), math.hypot(long, tall), math.hypot(long, wide)
     turned = length * sheet.typical_value("body_gyration")
@@ -103,21 +110,6 @@ def _shares(
             f"side frames beside an upper structure of {1e-3 * upper:.4g} t"
         )
     return Ruled(upper, of_upper), Ruled(body, of_body), rest - body
-
-
-def _upper_com(sheet: Datasheet, place: Ruled | None, upper: float, length: float, axes: float) -> Three:
-    """Return the COM of the upper structure in the machine's axes, m.
-
-    It is the printed one, or the one that puts the machine's COM at its `place` (m) ahead of the middle.
-    """
-    # the case has its tumbler at the rear; a machine with its sprocket in front is reversed in it
-    ahead = 1.0 if sheet.sprocket == "rear" else -1.0
-    if sheet.upper_com is not None:
-        x, y, z = sheet.upper_com
-        return ahead * x, ahead * y, z - axes
-    assert place is not None
-    height = length * sheet.typical_value("upper_height")
-    return ahead * place.value * sheet.operating_weight / upper, 0.0, height
 
 
 def _com_ahead(sheet: Datasheet, length: float) -> Ruled:

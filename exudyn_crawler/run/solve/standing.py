@@ -10,9 +10,7 @@ from exudyn_crawler.results.history import History, tension
 from exudyn_crawler.results.history.catalogue import LOADED
 from exudyn_crawler.run.solve.simulation import compiled, solved_for_tension
 from exudyn_crawler.run.solve.tension import history_at_rest
-from exudyn_crawler.settings.fields import in_units
-
-FORCES = {"MN": 1e6, "kN": 1e3, "N": 1.0}
+from exudyn_crawler.settings.fields import quantity_text
 
 
 class Standing(NamedTuple):
@@ -57,7 +55,7 @@ class Standing(NamedTuple):
             return "at rest: no shoe is on the ground"
         loaded = int((pressure >= LOADED * pressure.max()).sum())
         return (
-            f"at rest: the ground carries {in_units(carried, FORCES, 4)}, most of it on {loaded} of "
+            f"at rest: the ground carries {quantity_text(carried, 'N')}, most of it on {loaded} of "
             f"{len(pressure)} shoes; the pressure below these is {1e-3 * mean:.4g} kPa on the mean and "
             f"{1e-3 * float(pressure.max()):.4g} kPa at most"
         )
@@ -66,13 +64,13 @@ class Standing(NamedTuple):
         weight = sum(part.mass for part in self.case.frame_parts) * self.case.gravity / self.case.tracks
         for chain in self.chains:
             side = f"{chain.side} chain" if chain.side else "chain"
-            push = f"half of its push on the idler of {in_units(chain.push, FORCES, 4)}"
+            push = f"half of its push on the idler of {quantity_text(chain.push, 'N')}"
             share = f"{100.0 * chain.push / weight:.3g} % of the weight on its rollers"
             sag = (
                 f"it sags by {1e3 * chain.sag:.3g} mm in {chain.span:.3g} m between idler and {chain.carrier}"
             )
             take_up = f"take-up {1e3 * float(self.case.assembled.take_up):.1f} mm"
-            pull = in_units(chain.pretension, FORCES, 4)
+            pull = quantity_text(chain.pretension, "N")
             yield f"tension at rest: {side} {pull}, {push} ({share}); {sag}; {take_up}"
 
 
