@@ -27,17 +27,9 @@ MENDING = "name all of it in the program that meshed the shoe (docs/howto/own_sh
 
 
 def check_extent(mesh: Mesh, name: str = "") -> None:
-    """Check that a mesh is no larger than any shoe.
+    """Raise `ValueError` for a mesh that is larger than any shoe, with its length and likely unit.
 
-    Parameters
-    ----------
-    name : str
-        Name of the mesh in the message.
-
-    Raises
-    ------
-    ValueError
-    If the mesh is larger; the message gives its length and likely unit.
+    `name` is that of the mesh in the message.
     """
     extent = float(np.ptp(mesh.nodes, axis=0).max())
     if extent > LARGEST:
@@ -50,17 +42,9 @@ def check_extent(mesh: Mesh, name: str = "") -> None:
 
 
 def check_surfaces(mesh: Mesh, load_surface: str, name: str = "") -> None:
-    """Check that a mesh has an underside and the surface that carries the machine's load.
+    """Raise `ValueError` for a mesh without underside or without the surface of the machine's load.
 
-    Parameters
-    ----------
-    name : str
-        Name of the mesh in the message.
-
-    Raises
-    ------
-    ValueError
-    If a surface is missing; the message lists the surfaces of the mesh.
+    `name` is that of the mesh in the message, which lists the surfaces of the mesh.
     """
     if "underside" not in mesh.surfaces:
         raise ValueError(f"{the_mesh(name)} must have the surface 'underside', {named_surfaces(mesh)}")

@@ -23,14 +23,21 @@ def test_rooms_import_only_what_lies_below_them():
     assert wrong == []
 
 
+def imported(node: ast.AST) -> list[str]:
+    """Modules that a node of a module's tree imports."""
+    if isinstance(node, ast.Import):
+        return [alias.name for alias in node.names]
+    return [node.module or ""] if isinstance(node, ast.ImportFrom) else []
+
+
 def test_no_module_reads_pickles_or_runs_text():
     """Files of others, such as checkpoints, meshes and maps, may hold anything."""
     wrong = []
     for name, tree in trees().items():
         for node in ast.walk(tree):
-            imported = [alias.name for alias in node.names] if isinstance(node, ast.Import) else []
-            imported += [node.module or ""] if isinstance(node, ast.ImportFrom) else []
-            wrong += [f"{name} imports {module}" for module in imported if module.split(".")[0] in PICKLES]
+            wrong += [
+                f"{name} imports {module}" for module in imported(node) if module.split(".")[0] in PICKLES
+            ]
             if isinstance(node, ast.keyword) and node.arg == "allow_pickle":
                 wrong.append(f"{name} has allow_pickle")
             if isinstance(node, ast.Call) and getattr(node.func, "id", "") in ("eval", "exec"):
@@ -65,9 +72,7 @@ def test_engine_is_imported_in_one_place():
     found = []
     for module, tree in trees().items():
         for node in ast.walk(tree):
-            names = [alias.name for alias in node.names] if isinstance(node, ast.Import) else []
-            names += [node.module or ""] if isinstance(node, ast.ImportFrom) else []
-            found += [module for name in names if name.split(".")[0] == "exudyn"]
+            found += [module for name in imported(node) if name.split(".")[0] == "exudyn"]
     assert set(found) == {"exudyn_crawler.model.exudyn"}
 
 

@@ -72,19 +72,10 @@ def _deck_text(path: Path) -> str:
 
 
 def keywords(path: Path, text: str | None = None) -> list[Keyword]:
-    """Return the keywords of a deck and of its included files, in their order.
+    """Return the keywords of a deck and of its included files, which are beside it, in their order.
 
-    Parameters
-    ----------
-    path : Path
-        Deck; its included files are searched beside it.
-    text : str, optional
-        Text of the deck, if already read.
-
-    Raises
-    ------
-    MeshError
-        If an included file is missing, or files include each other.
+    `text` is that of the deck if it is already read. Raise `MeshError` if an included file is missing, or
+    files include each other.
     """
     collected: list[Keyword] = []
     _collect(path, _deck_text(path) if text is None else text, (path,), collected)

@@ -10,6 +10,7 @@ from exudyn_crawler.engine.system import ExudynSystem
 from exudyn_crawler.ground.rows import NO_DERIVATIVES, Weights
 from exudyn_crawler.model.compiled_system import compiled_system
 from exudyn_crawler.model.equations import matrix
+from exudyn_crawler.run.solve.equilibrium import static_equilibrium
 
 FORCE_SCALE = 1e6
 """N, of multipliers: forces are linear in them."""
@@ -175,3 +176,16 @@ def matrix_errors(system, q, q_t, by_acceleration=9e5):
         found[:, k] = (above - below)[:n] / 2e-8
     diagonal = np.abs(np.diag(found))
     return np.abs(matrix - found) / np.sqrt(np.outer(diagonal, diagonal))
+
+
+def check_matrix_at_rest(case, last, most):
+    """Hold Newton's matrix against the derivative of the residual at rest.
+
+    The rows and columns of the `last` coordinates are exact up to `most`: what the matrix leaves out is small
+    there.
+    """
+    q = static_equilibrium(case)
+    off = matrix_errors(compiled_system(case), q, np.zeros(len(q)))
+    assert off.max() < 0.02
+    assert off[:, -last:].max() < most
+    assert off[-last:].max() < most
