@@ -245,5 +245,5 @@ def _information(numbers: AssessmentNumbers) -> Iterator[AssessedItem]:
         ("push on the idler of a blocked track", "HZS", blocked.idler_push, "kN", IDLER, STATICS),
         ("bending moment of a shoe, mean rollers", "H", moment, "kN m", "P (W / 4 - a)", Source("beam", "D")),
     )
-    for name, group, value, unit, formula, source in rows:
-        yield AssessedItem(name, "of no load case", group, value / KILO, np.nan, unit, formula, source)
+    for item, group, value, unit, formula, source in rows:
+        yield AssessedItem(item, "of no load case", group, value / KILO, np.nan, unit, formula, source)
