@@ -49,19 +49,19 @@ class Case(NamedCases):
             if shoes[0] < 1 or shoes[-1] > count:
                 yield f"flexible.shoes must be in 1..{count}, got {fields.shown(shoes)}"
             if not reduced:
-                yield "flexible shoes need terrain_formulation 'reduced'"
+                yield "terrain_formulation must be 'reduced' with flexible shoes"
             if spheres:
-                yield "flexible must be None with contact.model 'spheres'; it goes with 'pair' and 'cells'"
+                yield "flexible must be none with contact.model 'spheres'; 'pair' and 'cells' allow it"
         if isinstance(terrain, Terrain):
             yield from self._unit_errors(terrain)
         if (terrain.model == "cells") != (contact.model == "cells"):
             got = f"got {contact.model!r} on {terrain.model!r}"
-            yield f"contact.model must be 'cells' on terrain.model 'cells' and on no other, {got}"
+            yield f"contact.model must be 'cells' with terrain.model 'cells', and only with it, {got}"
         elif contact.model == "cells" and not reduced:
             yield "terrain_formulation must be 'reduced' on a terrain of cells, which has no joints"
         yield from self.gear.errors(self)
         if self.formulation == "compiled" and not self.is_compiled:
-            yield f"formulation must be 'engine' or None with {NOT_COMPILED}"
+            yield f"formulation must be 'engine' or none with {NOT_COMPILED}"
         if isinstance(contact, SphereContact):
             yield from self._sphere_errors(contact)
         yield from self._support_errors(np.zeros(1))
@@ -87,7 +87,7 @@ class Case(NamedCases):
         small = terrain.unit_length < shoe.length or terrain.unit_width < shoe.width
         if isinstance(contact, PairContact) and contact.normal == "area" and small:
             sides = f"{terrain.unit_length:.4g} x {terrain.unit_width:.4g} m, smaller than a shoe"
-            yield f"contact.normal must be 'face' on units of {sides}: they push each other"
+            yield f"contact.normal must be 'face' on units of {sides}: neighbours would push each other"
         if not terrain.is_even and not reduced:
             yield "terrain_formulation must be 'reduced' on a terrain.relief, got 'constrained'"
 
@@ -95,7 +95,7 @@ class Case(NamedCases):
         """Yield an error for loads that lift the shoes, and for spheres of a wrong size."""
         if not self.mean_load > 0.0:
             mean = fields.quantity_text(self.mean_load, "N")
-            yield f"loads must press the shoes down on the whole, got {mean} a shoe"
+            yield f"the mean of all loads must press the shoes down, got {mean} on each shoe"
         # for the greatest load of a shoe, on linear spheres
         load = max(max(phase.loads) for phase in self.loads.phases)
         depth = self.settled_penetration * float(self.pressed(load)) / self.mean_load

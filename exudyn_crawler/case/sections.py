@@ -31,23 +31,25 @@ class Sections(Parameters):
     shoe: Shoe
     track: Track
     gear: AnyGear = option(
-        "what moves the track: kind dragged, rolled, closed, or machine on two closed ones",
+        "running gear: kind dragged, rolled, closed, or machine on two closed tracks",
         Dragged(),
     )
     terrain: AnyTerrain = option("ground: model units or cells")
-    contact: Contact = option("how shoes and terrain touch: model pair, spheres or cells")
+    contact: Contact = option("contact of shoes and terrain: model pair, spheres or cells")
     drive: Drive
     loads: LoadCycle
     flexible: FlexibleShoes | None = None
     solver: Solver = Solver()
     terrain_formulation: Literal["reduced", "constrained"] = option(
-        "independent coordinates of the terrain, or all of them with its joints", "reduced"
+        "terrain coordinates: reduced to independent ones, or all of them constrained by joints", "reduced"
     )
     formulation: Literal["compiled", "engine"] | None = option(
-        "equations of motion: compiled, or by Exudyn's items, the reference; None: compiled if it can",
+        "equations of motion: compiled, or of Exudyn's items (reference); none: compiled if possible",
         None,
     )
-    gravity: float = quantity("m/s2", "on level ground", (9.7, 9.9), ge=0, le=100, default=ph4100c.GRAVITY)
+    gravity: float = quantity(
+        "m/s2", "gravitational acceleration", (9.7, 9.9), ge=0, le=100, default=ph4100c.GRAVITY
+    )
     machine: MachineCycle | None = option(
         "force and moment of the machine on the side frame; none: its weight alone", None
     )

@@ -81,7 +81,7 @@ def test_slides_are_lines_that_do_not_turn_at_even_steps():
 def test_slides_that_rails_lie_on_three_lines_of_or_that_overlap_are_refused():
     with pytest.raises(ParameterError, match=r"must leave every rail, which is .* m long, on two"):
         with_slides(slide_step=0.2)
-    with pytest.raises(ParameterError, match="slides must have a length and stand in order"):
+    with pytest.raises(ParameterError, match="slides must have a positive length and be in order"):
         with_slides(slides=((0.0, 1.0, 2.0), (0.5, 1.5, 2.0)))
 
 
@@ -156,7 +156,7 @@ def test_chain_that_does_not_fit_is_refused_with_the_missing_length():
         (CLOSED, {"gear.tumbler.reach": 0.199}, "leaving lugs hook under it"),
         (CLOSED, {"gear.tumbler.reach": 0.5}, "must let the addendum circle"),
         (CLOSED, {"shoe.rails": None}, "shoe.rails must be given with gear.kind 'closed'"),
-        (CLOSED, {"gear.rollers": (0.0, 0.5)}, "rollers must stand in order and a diameter"),
+        (CLOSED, {"gear.rollers": (0.0, 0.5)}, "rollers must be in order and at least a diameter"),
         (CLOSED, {"gear.idler.range": (0.2, 0.1)}, "least and greatest take-up in this order"),
         (CLOSED, {"loads.phases[0].loads": tuple([1e5] * 38)}, "loads must be zero"),
         (CLOSED, {"gear.idler.take_up": 0.3}, "too short by"),
@@ -182,7 +182,7 @@ def test_chain_that_does_not_fit_is_refused_with_the_missing_length():
         (
             CLOSED,
             {"drive": Drive.turning()},
-            "drive.turn_rate must be None with gear.kind 'closed': one track",
+            "drive.turn_rate must be none with gear.kind 'closed': one track",
         ),
         (
             SHOVEL,

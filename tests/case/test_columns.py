@@ -84,7 +84,9 @@ def test_labels_are_no_units(tmp_path):
 
 def test_a_workbook_is_told(tmp_path):
     (tmp_path / "table.csv").write_bytes(b"PK\x03\x04\xff\xd8\xff")
-    with pytest.raises(ValueError, match=r"no text in UTF-8 or UTF-16: .*workbook: save the sheet as CSV"):
+    with pytest.raises(
+        ValueError, match=r"must be a text in UTF-8 or UTF-16: .*workbook: save the sheet as CSV"
+    ):
         columns.read_table(tmp_path / "table.csv")
 
 

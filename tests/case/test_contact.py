@@ -54,7 +54,7 @@ UNEVEN = LoadCycle(phases=(LIGHT, HEAVY))
         ({"loads": LoadCycle.constant(-1e6)}, "loads must press the shoes down"),
         (
             {"flexible": FlexibleShoes.ph4100c("coarse")},
-            r"flexible must be None with contact\.model 'spheres'",
+            r"flexible must be none with contact\.model 'spheres'",
         ),
     ],
 )

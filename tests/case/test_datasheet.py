@@ -198,11 +198,11 @@ def test_typical_values_can_be_given():
         ({"lower_rollers": 25}, r"25 lower rollers do not fit beside each other .*: \d+ of 177 mm do"),
         ({"shoe_weight": 400.0}, r"96 shoes of 400 kg with sprockets weigh 38.8 t, which leaves"),
         ({"sag": 0.25}, r"a sag of 250 mm lets the idler back into the wheel next to it; \d+ mm do"),
-        ({"gauge": 0.7}, r"gauge must be greater than the shoes' width, .* got 0.7 m with shoes of 0.8 m"),
-        ({"gauge": None}, "gauge must be given, or width_over_shoes"),
+        ({"gauge": 0.7}, r"gauge must be greater than shoe_width, .* got 0.7 m with shoes of 0.8 m"),
+        ({"gauge": None}, "gauge or width_over_shoes must be given"),
         ({"motor_speed": 200.0}, "gear_ratio must be given with motor_speed"),
         ({"sag": 0.02, "chain_tension": 1e4}, "sag and chain_tension must not be given together"),
-        ({"remembered": ("gage",)}, r"remembered must be names of the datasheet's values, got \['gage'\]"),
+        ({"remembered": ("gage",)}, r"remembered must contain keys of the datasheet, got \['gage'\]"),
     ],
 )
 def test_what_contradicts_itself_is_refused_in_the_datasheets_words(changes, words):
@@ -320,13 +320,13 @@ def test_road_wheels_of_a_vehicle_trail_on_arms_that_bear_an_even_share(sprocket
 @pytest.mark.parametrize(
     ("changes", "words"),
     [
-        ({"torsion_bar": 1e4}, "torsion_bar must be left out, or suspension = 'arms' given"),
+        ({"torsion_bar": 1e4}, "torsion_bar must be left out, or suspension must be 'arms'"),
         ({"suspension": "arms", "arm_pivot": (0.0, 0.1)}, "arm_pivot must be ahead of the wheel's axis or"),
         (
             {"suspension": "arms", "lower_rollers": 6, "bogies": 2},
             "2 bogies must be left out with suspension",
         ),
-        ({"recoil_spring": False, "recoil_force": 1e5}, "recoil_force must be left out where recoil_spring"),
+        ({"recoil_spring": False, "recoil_force": 1e5}, "recoil_force must be left out with recoil_spring"),
     ],
 )
 def test_suspensions_that_contradict_themselves_are_refused(changes, words):

@@ -40,9 +40,9 @@ def test_changes_are_copies_and_reach_all_items():
 @pytest.mark.parametrize(
     ("path", "told"),
     [
-        ("loads.phases[2].end", r"loads\.phases has 2 items, counted from 0, no \[2\]"),
-        ("loads[0]", "there is no list loads to change an item of"),
-        ("drive.on[0]", r"there is no list drive\.on to change an item of"),
+        ("loads.phases[2].end", r"loads\.phases has 2 items, counted from 0: there is no \[2\]"),
+        ("loads[0]", "loads must be a list to change an item of it"),
+        ("drive.on[0]", r"drive\.on must be a list to change an item of it"),
         ("name.x", "name must be a table to change a value of it, got 'a'"),
     ],
 )
@@ -116,7 +116,7 @@ def test_every_value_is_met_with_its_field_in_a_part_by_itself_too():
     assert found["loads.phases[1].loads"].value == WHOLE.case.loads.phases[1].loads
     assert found["terrain.spring_stiffness"].unit == "N/m"
     assert found["track.shoe_count"].unit == ""
-    assert found["contact"].meaning == "how shoes and terrain touch: model pair, spheres or cells"
+    assert found["contact"].meaning == "contact of shoes and terrain: model pair, spheres or cells"
     assert found["drive.speed"].value == WHOLE.case.drive.speed
     assert all(entry.meaning for entry in found.values())
     part = [entry.path for entry in walk(Terrain.stress(), ("ground",))]

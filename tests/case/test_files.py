@@ -118,7 +118,7 @@ def test_a_mesh_is_sought_beside_the_file(read, refused, tmp_path):
     text = 'base = "translation"\n[flexible]\nbase = "ph4100c"\nmesh = "{}"\n'
     assert read(text.format("own.msh.gz")).case.flexible.mesh == str(tmp_path / "own.msh.gz")
     (fault,) = refused(text.format("lost.msh"))
-    assert fault == "flexible.mesh: neither one of coarse, study, fine nor a file: 'lost.msh'"
+    assert fault == "flexible.mesh: the mesh must be one of coarse, study, fine or a file, got 'lost.msh'"
 
 
 def test_named_values_are_the_constructors_that_need_nothing():
@@ -200,7 +200,10 @@ def test_a_key_like_no_other_is_answered_with_what_is_allowed(refused):
         (f"{OIL_SAND}sharing = 'area'", "contact.sharing: unknown key; allowed are model, spheres_x, "),
         (f"{OIL_SAND}raduis = 0.2", "contact.raduis: unknown key; did you mean contact.radius?"),
         ("[drive]\non = [[0, 15, 20]]", "drive.on[0]: "),
-        ("[drive]\non = [[5, 15]]", "drive: speed must be zero where the drive goes on, at 5 s, got 0.1 m/s"),
+        (
+            "[drive]\non = [[5, 15]]",
+            "drive: speed must be zero at 5 s, when the drive is switched on, got 0.1 m/s",
+        ),
         ("drive.speed = {times = [0, 1, 1], values = [0, 1, 2]}", "drive.speed: times must increase, got ("),
     ],
 )

@@ -93,7 +93,7 @@ def test_what_a_case_does_not_have_is_refused_by_its_kind():
         KINDS["rolled"].part(Closed)
     with pytest.raises(ValueError, match=r"gear\.kind must be 'rolled', got 'machine'"):
         KINDS["machine"].part(Rolled)
-    with pytest.raises(ParameterError, match=r"machine must be None with gear\.kind 'dragged'"):
+    with pytest.raises(ParameterError, match=r"machine must be none with gear\.kind 'dragged'"):
         KINDS["dragged"].with_(machine=MachineCycle.shovel())
 
 

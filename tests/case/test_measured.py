@@ -103,9 +103,12 @@ def test_steps_along_x_and_y_may_differ(asc):
         (ascii_text({"ncols": "x"}), "ncols must be a number, got 'x'"),
         (ascii_text({"xllcorner": None}), "its head has no xllcorner"),
         (ascii_text({"cellsize": None, "dx": 1}), "its head has no cellsize"),
-        (ascii_text({"rows": 4}), "its head has 'rows', which no ESRI ASCII grid has"),
-        (ascii_text().replace("0.02 ", "0,02 "), "height 11 is no number, got '0,02'; numbers have a point"),
-        (b"\x00\xff" * 20, "it is no text"),
+        (ascii_text({"rows": 4}), "its head has 'rows', but an ESRI ASCII grid has only"),
+        (
+            ascii_text().replace("0.02 ", "0,02 "),
+            "height 11 must be a number, got '0,02'; numbers have a point",
+        ),
+        (b"\x00\xff" * 20, "it must be a text"),
         (ascii_text(z=np.full((5, 4), -9999.0)), "all of its heights are missing"),
         (ascii_text(z=GRID + 3.5e5), r"its heights must be within 12000 m of sea level, got 35000.*'mm'"),
     ],
@@ -159,7 +162,7 @@ def test_a_netcdf_file_has_its_own_units(netcdf):
     assert_allclose(heights(netcdf(places=kilometres, attributes=units)), GRID, atol=1e-11)
     assert_allclose(heights(netcdf(places=kilometres, place_unit="km")), GRID, atol=1e-11)
     assert_allclose(heights(netcdf(attributes={"z": {"units": "mm"}}, height_unit="m")), GRID, atol=1e-14)
-    with pytest.raises(ParameterError, match="'gpm' is no unit of length, of its heights, such as m, mm"):
+    with pytest.raises(ParameterError, match="'gpm' must be a unit of length of its heights, such as m, mm"):
         netcdf(attributes={"z": {"units": "gpm"}})
 
 
@@ -171,13 +174,15 @@ def test_a_netcdf_file_may_have_a_band_and_any_order(netcdf):
 
 
 def test_depths_are_no_heights(netcdf):
-    with pytest.raises(ParameterError, match="it has depths, which are positive down: heights are needed"):
+    with pytest.raises(
+        ParameterError, match="it has depths, positive downward, but heights are needed: change their sign"
+    ):
         netcdf(attributes={"z": {"positive": "down"}})
 
 
 def test_a_file_that_is_no_netcdf_is_refused_in_words_of_the_project(tmp_path):
     (tmp_path / "a.nc").write_text(ascii_text())
-    with pytest.raises(ParameterError, match=r"a\.nc cannot be used: it is no NetCDF file that can be read$"):
+    with pytest.raises(ParameterError, match=r"a\.nc cannot be used: it must be a readable NetCDF file$"):
         MeasuredGrid(file=tmp_path / "a.nc")
 
 
@@ -209,23 +214,23 @@ def test_rounded_places_are_even_within_their_rounding(tmp_path):
 
 
 def test_places_that_a_netcdf_file_lacks_are_asked_for(netcdf):
-    with pytest.raises(ParameterError, match="it has no places along x: give their spacing"):
+    with pytest.raises(ParameterError, match="it has no positions along x: give their spacing"):
         netcdf(places={})
     assert_allclose(heights(netcdf(places={}, spacing=0.5, origin=(10.25, 20.25))), GRID, atol=1e-14)
-    with pytest.raises(ParameterError, match="spacing must be left out: the file has places of its own"):
+    with pytest.raises(ParameterError, match="spacing must be left out: the file has positions"):
         netcdf(spacing=0.5)
 
 
 @pytest.mark.parametrize(
     ("how", "message"),
     [
-        ({"places": {"x": np.zeros(5), "y": Y}}, r"its places along x must differ, got 0 to 0 m"),
+        ({"places": {"x": np.zeros(5), "y": Y}}, r"its positions along x must differ, got 0 to 0 m"),
         ({"places": {"x": X**2, "y": Y}}, r"its steps along x must be even, got 10\.5 to 12"),
         (
             {"dimensions": ("lon", "lat"), "places": {"lon": X, "lat": Y}},
-            r"its places are in degrees \(lon\)",
+            r"its positions are in degrees \(lon\)",
         ),
-        ({"attributes": {"x": {"units": "degrees_east"}}}, r"its places are in degrees \(x\)"),
+        ({"attributes": {"x": {"units": "degrees_east"}}}, r"its positions are in degrees \(x\)"),
         (
             {"dimensions": ("a", "b"), "places": {}},
             "it must have one variable over x and y, got z over a and b",
@@ -241,9 +246,9 @@ def test_places_of_a_netcdf_file_that_cannot_be_used_are_named(netcdf, how, mess
 @pytest.mark.parametrize(
     ("array", "message"),
     [
-        (GRID > 0.0, "its array must be of numbers, got bool"),
-        (np.zeros((5, 4), dtype=[("z", float)]), r"its array must be of numbers, got \[\('z'"),
-        (GRID.astype(complex), "its array must be of numbers, got complex128"),
+        (GRID > 0.0, "its array must consist of numbers, got bool"),
+        (np.zeros((5, 4), dtype=[("z", float)]), r"its array must consist of numbers, got \[\('z'"),
+        (GRID.astype(complex), "its array must consist of numbers, got complex128"),
         (np.zeros(20), "its array must have 2 axes, got 1"),
     ],
 )
@@ -281,7 +286,7 @@ def test_a_file_that_is_no_array_takes_no_memory(tmp_path):
     head = "{'descr': '<f8', 'fortran_order': False, 'shape': (1000000, 1000000), }"
     words = head.ljust(117) + "\n"
     (tmp_path / "bomb.npy").write_bytes(b"\x93NUMPY\x01\x00v\x00" + words.encode())
-    for name, message in (("z", "it is no NPY file"), ("bomb", "its head does not fit what follows it")):
+    for name, message in (("z", "it must be an NPY file"), ("bomb", "its head does not match its content")):
         with pytest.raises(ParameterError, match=message):
             MeasuredGrid(file=tmp_path / f"{name}.npy", spacing=0.5)
 

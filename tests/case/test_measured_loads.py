@@ -76,7 +76,7 @@ def test_loads_below_the_weight_of_a_shoe_are_warned_of():
         ),
         ("time [s],load [kN]\n0,\n", "'load [kN]' must be a number in row 1, got ''"),
         ("time [s],load [kN]\n0,1e14\n", "phases[0].loads[0..1]: must be less than or equal to"),
-        ("\udcff", "is no text in UTF-8"),
+        ("\udcff", "must be a text in UTF-8"),
     ],
 )
 def test_files_without_loads_over_time_are_refused_in_a_line(tmp_path, text, reason):

@@ -158,7 +158,7 @@ def test_what_is_no_case_is_answered_with_how_to_get_one():
 @pytest.mark.parametrize("name", ["out", "reuse"])
 def test_an_empty_path_is_no_folder(name, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    with pytest.raises(ValueError, match=r"^out and reuse must name folders, or be None, got ''$"):
+    with pytest.raises(ValueError, match=r"^out and reuse must name folders, or be none, got ''$"):
         run_case(CaseFile(case=CASE, duration=0.01), **{name: ""})
     assert list(tmp_path.iterdir()) == []
 
@@ -214,16 +214,20 @@ MOVING = StepProfile(times=(0.0, 1.0), values=(0.2, 0.3))
         (MOVING, {"times": (), "values": ()}, "times: must have at least 1 item"),
         (Drive.turning(), {"speed": MOVING}, "speed must start from zero at t = 0, got 0.2 at 0.0 s"),
         (Drive.turning(), {"turn_rate": MOVING}, "turn_rate must start from zero at t = 0, got 0.2 at 0.0 s"),
-        (Drive.to_rest(), {"on": ((15.0, 0.0),)}, "on must be times from 0 s that increase"),
+        (Drive.to_rest(), {"on": ((15.0, 0.0),)}, "on must be increasing times from 0 s"),
         (CASE, {"loads": LoadCycle.propel(12)}, "loads must name every shoe ... (13) ... got loads for 12"),
         (CASE, {"loads": LoadCycle.propel(14)}, "loads must name every shoe ... (13) ... got loads for 14"),
         (CASE, {"shoe.length": 0.7}, "shoe.length must not exceed the track's pitch 0.655742, got 0.7"),
         (CASE, {"terrain.columns": 2}, "terrain must carry the track ... at t = 0 s ... 0..14 m"),
         (CASE, {"terrain": Terrain.stress()}, "contact.normal must be 'face' on units of 1 x 1 m, smaller"),
-        (SHOE, {"finger_length": 0.0}, "finger_length must be positive where finger_sides are given"),
+        (SHOE, {"finger_length": 0.0}, "finger_length must be positive with finger_sides"),
         (SHOE, {"finger_length": 0.7}, "finger_length must be less than the length 0.655742 m, got 0.7"),
-        (SHOE, {"finger_sides": (-1, 0.5, 0.4, 1)}, "sides must be two a finger, grow from right to left"),
-        (SHOE, {"finger_sides": (-1.0, 0.5, 1.0)}, "finger_sides must be two a finger"),
+        (
+            SHOE,
+            {"finger_sides": (-1, 0.5, 0.4, 1)},
+            "sides must be two values for each finger, rise from right to left",
+        ),
+        (SHOE, {"finger_sides": (-1.0, 0.5, 1.0)}, "finger_sides must be two values for each finger"),
         (SHOE, {"finger_sides": (-1.0, 1.8)}, "stay within the underside from -1.7525 to 1.7525 m"),
         (FLEXIBLE, {"shoes": (7, 7)}, "shoes: must be different and rise"),
         (FLEXIBLE, {"poissons_ratio": 0.5}, "poissons_ratio"),

@@ -110,7 +110,7 @@ def test_a_cycle_is_read_from_toml(tmp_path):
 
 EVEN = '[[phases]]\nname = "propel"\nend = 2.0\nloads = 4e5\n'
 DIG = '[[phases]]\nname = "dig"\nend = 4.0\nloads = [3e5, 1e5, 2e5]\n'
-ALONE = "loads.file must be the name of a load cycle and stand alone"
+ALONE = "loads.file must be the name of a load cycle, without other keys"
 
 
 def test_one_number_loads_every_shoe_alike(tmp_path):

@@ -44,7 +44,11 @@ def test_case_file_gives_the_case_again(read, tmp_path):
 @pytest.mark.parametrize(
     ("base", "change", "said"),
     [
-        (FRAME, {"rollers": (-1.0, -0.3, 1.0)}, "rollers must stand in order and a diameter 0.8 m apart"),
+        (
+            FRAME,
+            {"rollers": (-1.0, -0.3, 1.0)},
+            "rollers must be in order and at least a diameter, 0.8 m, apart",
+        ),
         (FRAME, {"rollers": (-5.6, 0.0)}, "rollers must be within the frame"),
         (FRAME, {"ends": (5.8, -5.8)}, "ends must be rear and front end in this order"),
         (FRAME, {"tumbler": 7.0}, "tumbler must be within the frame's ends"),
@@ -52,8 +56,8 @@ def test_case_file_gives_the_case_again(read, tmp_path):
         (FRAME, {"rollers": (0.0,)}, "at least 2"),
         (ROLLED, {"shoe": Shoe.ph4100c()}, "shoe.rails must be given"),
         (ROLLED, {"formulation": "engine"}, "formulation 'engine'"),
-        (ROLLED, {"drive": Drive.turning()}, "drive.turn_rate must be None"),
-        (ROLLED, {"drive": Drive.to_rest()}, "drive.on must be None"),
+        (ROLLED, {"drive": Drive.turning()}, "drive.turn_rate must be none"),
+        (ROLLED, {"drive": Drive.to_rest()}, "drive.on must be none"),
         (ROLLED, {"loads": LoadCycle.propel(24)}, "loads must be zero"),
         (ROLLED, {"gear.tread_width": 0.3}, "tread_width must not exceed the rails' width"),
         (ROLLED, {"gear.start": 12.0}, "track must be long enough for the drive: at t = 0 s"),
@@ -154,7 +158,7 @@ def test_machine_that_tips_over_a_track_has_odd_times_or_no_frame_is_refused():
         MachineCycle.shovel(poses=[pose(np.pi / 2, payload=1e6)])
     with pytest.raises(ParameterError, match="the phases' ends must increase"):
         MachineCycle.shovel(poses=[pose(0.0, payload=0.0), pose(0.1, payload=0.0)])
-    with pytest.raises(ParameterError, match=r"machine must be None with gear\.kind 'dragged'"):
+    with pytest.raises(ParameterError, match=r"machine must be none with gear\.kind 'dragged'"):
         Case.translation().with_(machine=MachineCycle.shovel())
 
 

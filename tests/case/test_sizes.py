@@ -131,7 +131,7 @@ def test_teeth_that_do_not_do_are_refused_with_values_that_do():
     CLOSED.with_({"gear.tumbler.reach": 0.199, "gear.tumbler.depth": 0.2649})
     with pytest.raises(ParameterError, match=r"meet the arcs .*, got 0\.5; reach = 0\.1423 m would do"):
         CLOSED.with_({"gear.tumbler.reach": 0.5})
-    with pytest.raises(ParameterError, match=r"gaps overlap, .*; backlash = 0\.0998 m would do"):
+    with pytest.raises(ParameterError, match=r"gaps overlap .*; backlash = 0\.0998 m would do"):
         CLOSED.with_({"gear.tumbler.backlash": 0.2})
     CLOSED.with_({"gear.tumbler.backlash": 0.0998})
 

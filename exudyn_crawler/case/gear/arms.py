@@ -14,26 +14,32 @@ class Arm(Parameters):
     behind the pivot (a trailing arm) or in front of it.
     """
 
-    roller: int = quantity("1", "number of its roller, from the rear", ge=1)
-    pivot: base.Two = quantity("m", "x and z of its pivot's axis in the frame", (-10.0, 10.0))
-    mass: base.Mass = quantity("kg", "with its roller, which is no part of the frame's mass", (10.0, 2e3))
-    com: base.Two = quantity("m", "x and z of its COM from the pivot", (-2.0, 2.0), default=(0.0, 0.0))
-    inertia: base.Inertia = quantity("kg m2", "Ixx, Iyy, Izz, Iyz, Ixz, Ixy of it about its COM (tensor)")
-    torque: float = quantity(
-        "N m", "of the spring where the roller is at its place", (100.0, 1e6), ge=0, le=1e9
+    roller: int = quantity("1", "number of the arm's roller, counted from the rear", ge=1)
+    pivot: base.Two = quantity("m", "x and z of the pivot's axis in the frame", (-10.0, 10.0))
+    mass: base.Mass = quantity(
+        "kg", "mass of the arm with its roller, not included in the frame's mass", (10.0, 2e3)
     )
-    stiffness: base.Stiffness = quantity("N m/rad", "of the spring", (1e3, 1e7))
-    damping: base.Damping = quantity("N m s/rad", "of the damper", (0.0, 1e6), default=0.0)
+    com: base.Two = quantity("m", "x and z of the arm's COM from the pivot", (-2.0, 2.0), default=(0.0, 0.0))
+    inertia: base.Inertia = quantity(
+        "kg m2", "Ixx, Iyy, Izz, Iyz, Ixz, Ixy of the arm about its COM (tensor)"
+    )
+    torque: float = quantity(
+        "N m", "moment of the spring in the roller's nominal position", (100.0, 1e6), ge=0, le=1e9
+    )
+    stiffness: base.Stiffness = quantity("N m/rad", "stiffness of the spring", (1e3, 1e7))
+    damping: base.Damping = quantity(
+        "N m s/rad", "damping coefficient of the damper", (0.0, 1e6), default=0.0
+    )
     stop: float | None = quantity(
         "rad",
-        "by which it turns up from there before it meets the bump stop; none: no stop",
+        "upward angle from the nominal position to the bump stop; none: no stop",
         (0.05, 1.0),
         gt=0,
         le=1.5,
         default=None,
     )
     stop_stiffness: base.Stiffness = quantity(
-        "N m/rad", "of the bump stop, beside that of the spring", (1e4, 1e8), default=1e6
+        "N m/rad", "stiffness of the bump stop, in addition to that of the spring", (1e4, 1e8), default=1e6
     )
 
     def lift(self, roller: float, angle: float) -> float:
@@ -66,7 +72,7 @@ def arm_errors(arms: Sequence[Arm], rollers: Sequence[float], carried: set[int])
             yield f"{name}.roller must be in 1..{len(rollers)}, got {arm.roller}"
             return
         if arm.roller in taken:
-            yield f"{name}.roller must not be another's, {taken[arm.roller]} has roller {arm.roller}"
+            yield f"{name}.roller must be free, {taken[arm.roller]} has roller {arm.roller}"
         taken[arm.roller] = name
         if arm.pivot[0] == rollers[arm.roller - 1]:
             beside = f"behind or ahead of its roller at x = {rollers[arm.roller - 1]:.4g} m"

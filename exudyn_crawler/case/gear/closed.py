@@ -26,7 +26,7 @@ SLIDE_MARGIN = 0.02  # m, greatest distance from a rail's ends at which a slide'
 class Closed(ClosedFrame):
     """Track that is closed round a side frame, whose tumbler drives the chain and whose idler tightens it."""
 
-    kind: Literal["closed"] = option("track is closed round its side frame", "closed")
+    kind: Literal["closed"] = option("closed track around its side frame", "closed")
 
     quantities: ClassVar[frozenset[str]] = frozenset({"frame", "closed"})
     chain_parts: ClassVar[tuple[str, ...]] = ("tumbler", "idler")

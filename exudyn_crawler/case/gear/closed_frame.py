@@ -34,55 +34,93 @@ class ClosedFrame(RunningGear):
     held.
     """
 
-    support: Literal["ground", "posts"] = option("what carries the frame", "ground")
+    support: Literal["ground", "posts"] = option(
+        "support of the frame: the ground through its track, or posts", "ground"
+    )
     mass: base.Mass = quantity(
         "kg",
-        "mass on one track without shoes, tumbler and sliding idler; of kind 'machine' the frame's",
+        "mass on one track without shoes, tumbler and sliding idler; kind 'machine': the side frame's",
         (1e2, 2e6),
     )
     tumbler: Tumbler
     idler: Idler
     roller_radius: base.Length = quantity("m", "radius of the rollers' treads", (0.03, 1.5))
     carriers: tuple[Wheel, ...] = quantity(
-        "m", "x and z of carrier rollers under the upper run, rear to front; none: it hangs", default=()
+        "m",
+        "x and z of the carrier rollers below the upper run, rear to front; none: a free upper run",
+        default=(),
     )
-    carrier_radius: base.Length = quantity("m", "radius of their treads", (0.02, 1.0), default=0.25)
+    carrier_radius: base.Length = quantity(
+        "m", "radius of the carrier rollers' treads", (0.02, 1.0), default=0.25
+    )
     slides: tuple[base.Three, ...] = quantity(
-        "m", "x of rear and front end, z of the top of slides under the upper run, rear to front", default=()
+        "m",
+        "x of rear and front end and z of the top of slides below the upper run, rear to front",
+        default=(),
     )
     slide_step: base.Length = quantity(
         "m",
-        "of the lines across a slide on which rails rub, with a carrier's radius",
+        "spacing of the contact lines of rails on a slide; they have a carrier's radius",
         (0.1, 2.0),
         default=0.45,
     )
     slide_friction: base.Coefficient = quantity(
-        "1", "of rails on slides, 0 at rest as rolling is", (0.05, 0.8), default=ph4100c.SLIDE_FRICTION
+        "1",
+        "friction coefficient of rails on slides; 0 at rest, like the rolling resistance",
+        (0.05, 0.8),
+        default=ph4100c.SLIDE_FRICTION,
     )
     guide_play: base.Extent = quantity("m", "clearance of a shoe to each side of a flange", (0.0, 0.1))
-    guide_height: base.Depth = quantity("m", "of the flanges above a tread", (0.005, 0.3))
+    guide_height: base.Depth = quantity("m", "height of the flanges above a tread", (0.005, 0.3))
     guide_stiffness: base.Stiffness = quantity(
-        "N/m", "of the flanges of a wheel, of the tumbler", (1e5, 1e10)
+        "N/m", "contact stiffness of the flanges of a wheel, and of the tumbler's", (1e5, 1e10)
     )
-    guide_damping: base.Damping = quantity("N s/m", "of these", (0.0, 1e8))
-    pitch_growth: float = quantity("1", "of the chain by wear", (0.0, 0.05), ge=-0.1, le=0.2, default=0.0)
+    guide_damping: base.Damping = quantity("N s/m", "contact damping of these flanges", (0.0, 1e8))
+    pitch_growth: float = quantity(
+        "1",
+        "growth of the chain's pitch by wear, fraction of the pitch",
+        (0.0, 0.05),
+        ge=-0.1,
+        le=0.2,
+        default=0.0,
+    )
     compliance: float = quantity(
-        "m/N", "of a pin sideways, in rad/(N m) in yaw and roll", (1e-12, 1e-8), gt=0, le=1e-3, default=1e-10
+        "m/N",
+        "lateral compliance of a pin; in rad/(N m) also its compliance in yaw and roll",
+        (1e-12, 1e-8),
+        gt=0,
+        le=1e-3,
+        default=1e-10,
     )
     tension_limit: float | None = quantity(
-        "N", "of a link, beyond which it breaks and the run ends; none: no limit", gt=0, le=1e12, default=None
+        "N", "tension at which a link breaks and the run ends; none: no limit", gt=0, le=1e12, default=None
     )
     fold_limit: float = quantity(
-        "rad", "of neighbours, where the chain folds and the run ends", (0.3, 1.6), gt=0, le=3, default=1.0
+        "rad",
+        "angle between neighbouring shoes at which the chain folds and the run ends",
+        (0.3, 1.6),
+        gt=0,
+        le=3,
+        default=1.0,
     )
     offset_limit: base.Length = quantity(
-        "m", "beside frame or neighbour, where a shoe comes off and the run ends", (0.02, 0.5), default=0.1
+        "m",
+        "lateral offset from frame or neighbour at which a shoe comes off and the run ends",
+        (0.02, 0.5),
+        default=0.1,
     )
     torque_limit: float | None = quantity(
-        "N m", "greatest of the drive; none: what its speed takes", gt=0, le=1e12, default=None
+        "N m",
+        "greatest torque of the drive; none: any torque that the speed requires",
+        gt=0,
+        le=1e12,
+        default=None,
     )
     torque_speed: base.Speed = quantity(
-        "rad/s", "lag of the tumbler at which it has 0.7 of this torque", (1e-5, 1.0), default=0.01
+        "rad/s",
+        "speed deficit of the tumbler at which the drive has 0.7 of its greatest torque",
+        (1e-5, 1.0),
+        default=0.01,
     )
 
     def _errors(self) -> Errors:
@@ -91,7 +129,7 @@ class ClosedFrame(RunningGear):
         ends = [x for rear, front, _ in self.slides for x in (rear, front)]
         if np.any(np.diff(ends) <= 0.0):
             got = fields.shown(list(self.slides))
-            yield f"slides must have a length and stand in order, rear to front, got {got}"
+            yield f"slides must have a positive length and be in order, rear to front, got {got}"
         turn = 2.0 * math.pi / self.tumbler.shoes_per_turn
         if self.fold_limit <= turn:
             angle = f"{2 * self.tumbler.gaps_per_shoe} pi / teeth = {turn:.4g} rad"

@@ -9,13 +9,13 @@ from exudyn_crawler.settings.parameters import Errors, option
 class Dragged(Gear):
     """Open track without a side frame: the drive moves the front shoe, loads press on the shoes."""
 
-    kind: Literal["dragged"] = option("front shoe is moved, loads stand for the machine", "dragged")
+    kind: Literal["dragged"] = option("dragged front shoe, with loads in place of the machine", "dragged")
 
     quantities: ClassVar[frozenset[str]] = frozenset({"dragged"})
 
     def errors(self, case: Whole) -> Errors:
         """Yield an error for each contradiction to the rest of the case."""
         if case.drive.slip is not None:
-            yield "drive.slip must be none but for closed tracks on the ground, whose drawbar holds it"
+            yield "drive.slip must be none: only closed tracks on the ground have a drawbar that holds it"
         if case.machine is not None:
-            yield "machine must be None with gear.kind 'dragged', which has no side frame that it acts on"
+            yield "machine must be none with gear.kind 'dragged', which has no side frame"

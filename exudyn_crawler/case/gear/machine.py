@@ -27,7 +27,7 @@ class Machine(Closed):
     """
 
     kind: Literal["machine"] = option(  # type: ignore[assignment]
-        "two closed tracks with a car body between them", "machine"
+        "machine on two closed tracks with a car body", "machine"
     )
     car_body: CarBody
 

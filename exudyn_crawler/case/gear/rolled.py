@@ -27,7 +27,7 @@ class Rolled(base.PH4100C, RunningGear, values=ph4100c.UNDERCARRIAGE):
     drive; heave, roll and pitch are free, y and yaw are held.
     """
 
-    kind: Literal["rolled"] = option("side frame rolls over shoes that lie before it", "rolled")
+    kind: Literal["rolled"] = option("side frame that rolls over shoes on the ground", "rolled")
 
     quantities: ClassVar[frozenset[str]] = frozenset({"frame", "rolled"})
     shoes_stand: ClassVar[bool] = True
@@ -35,10 +35,12 @@ class Rolled(base.PH4100C, RunningGear, values=ph4100c.UNDERCARRIAGE):
     chain_parts: ClassVar[tuple[str, ...]] = ("pull",)
 
     start: Place = quantity("m", "x of the frame's origin at t = 0, global")
-    ends: base.Two = quantity("m", "x of the frame's rear and front end", (-20.0, 20.0))
-    radius: float = quantity("m", "radius of the treads", (0.05, 1.5), ge=1e-2, le=100)
-    tumbler: Place = quantity("m", "x where the drive tumbler pulls the chain", (-20.0, 20.0))
-    end_tension: float = quantity("N", "pull on the chain's ends", (0.0, 5e6), ge=0, le=1e10, default=0.0)
+    ends: base.Two = quantity("m", "x of the frame's rear and front ends", (-20.0, 20.0))
+    radius: float = quantity("m", "radius of the rollers' treads", (0.05, 1.5), ge=1e-2, le=100)
+    tumbler: Place = quantity("m", "x of the point at which the drive tumbler pulls the chain", (-20.0, 20.0))
+    end_tension: float = quantity(
+        "N", "outward force on both ends of the chain", (0.0, 5e6), ge=0, le=1e10, default=0.0
+    )
 
     def _errors(self) -> Errors:
         rear, front = self.ends

@@ -30,11 +30,17 @@ class Bogie(Parameters):
     Nothing stops its swing but the rails below its rollers.
     """
 
-    rollers: tuple[int, int] = quantity("1", "numbers of its two rollers, neighbours, rear to front")
-    pivot: base.Two = quantity("m", "x and z of its pivot's axis in the frame", (-10.0, 10.0))
-    mass: base.Mass = quantity("kg", "with its rollers, which are no part of the frame's mass", (10.0, 2e4))
-    com: base.Two = quantity("m", "x and z of its COM from the pivot", (-2.0, 2.0), default=(0.0, 0.0))
-    inertia: base.Inertia = quantity("kg m2", "Ixx, Iyy, Izz, Iyz, Ixz, Ixy of it about its COM (tensor)")
+    rollers: tuple[int, int] = quantity("1", "numbers of two neighbouring rollers, rear to front")
+    pivot: base.Two = quantity("m", "x and z of the pivot's axis in the frame", (-10.0, 10.0))
+    mass: base.Mass = quantity(
+        "kg", "mass of the bogie with its rollers, not included in the frame's mass", (10.0, 2e4)
+    )
+    com: base.Two = quantity(
+        "m", "x and z of the bogie's COM from the pivot", (-2.0, 2.0), default=(0.0, 0.0)
+    )
+    inertia: base.Inertia = quantity(
+        "kg m2", "Ixx, Iyy, Izz, Iyz, Ixz, Ixy of the bogie about its COM (tensor)"
+    )
 
     def _errors(self) -> Errors:
         rear, front = self.rollers
@@ -52,23 +58,33 @@ class RunningGear(Gear):
     chain_parts: ClassVar[tuple[str, ...]] = ()
     """Files of `model.parts` that drive and tighten the chain."""
 
-    mass: base.Mass = quantity("kg", "half of the machine without its shoes", (1e4, 2e6))
-    inertia: base.Inertia = quantity("kg m2", "Ixx, Iyy, Izz, Iyz, Ixz, Ixy of it about its COM (tensor)")
-    com: base.Three = quantity("m", "its COM", (-10.0, 10.0))
+    mass: base.Mass = quantity("kg", "mass of half of the machine without its shoes", (1e4, 2e6))
+    inertia: base.Inertia = quantity(
+        "kg m2", "Ixx, Iyy, Izz, Iyz, Ixz, Ixy of this mass about its COM (tensor)"
+    )
+    com: base.Three = quantity("m", "COM of this mass in the frame", (-10.0, 10.0))
     rollers: tuple[base.Roller, ...] = quantity(
         "m", "x of the lower rollers' axes, rear to front", min_length=2
     )
-    bogies: tuple[Bogie, ...] = option("bodies on pivots of the frame that carry two rollers each", ())
-    arms: tuple[Arm, ...] = option("arms on pivots of the frame that carry a roller each on springs", ())
-    tread_width: base.Length = quantity("m", "width of each tread, in the middle of its rail", (0.02, 1.0))
-    strips: Literal[1, 2] = quantity("1", "of a tread, which share its load on a tilted rail", default=2)
+    bogies: tuple[Bogie, ...] = option(
+        "bogies: bodies on pivots of the frame that carry two rollers each", ()
+    )
+    arms: tuple[Arm, ...] = option("sprung arms on pivots of the frame that carry one roller each", ())
+    tread_width: base.Length = quantity("m", "width of each tread, centred on its rail", (0.02, 1.0))
+    strips: Literal[1, 2] = quantity(
+        "1", "number of contact strips of a tread, which share its load on a tilted rail", default=2
+    )
     stiffness: base.Stiffness = quantity("N/m^exponent", "contact stiffness of tread on rail", (1e6, 1e12))
-    exponent: base.Exponent = quantity("1", "exponent of the depth", (1.0, 1.6), default=1.0)
-    damping: base.Damping = quantity("N s/m", "greatest damping of a tread", (0.0, 1e8))
-    damping_depth: base.Depth = quantity("m", "depth at which the damping is full", (1e-7, 1e-2))
-    rolling_resistance: base.Coefficient = quantity("1", "of a wheel over its normal force", (0.0, 0.2))
+    exponent: base.Exponent = quantity("1", "exponent of the penetration", (1.0, 1.6), default=1.0)
+    damping: base.Damping = quantity("N s/m", "greatest damping coefficient of a tread's contact", (0.0, 1e8))
+    damping_depth: base.Depth = quantity("m", "penetration at which the damping is full", (1e-7, 1e-2))
+    rolling_resistance: base.Coefficient = quantity(
+        "1", "rolling resistance of a wheel over its normal force", (0.0, 0.2)
+    )
     resistance_speed: base.Speed = quantity(
-        "m/s", "of a wheel over the rail at which its resistance is 0.7 of the full one", (1e-5, 0.1)
+        "m/s",
+        "speed of a wheel over the rail at which the rolling resistance is 0.7 of its full value",
+        (1e-5, 0.1),
     )
 
     @property
@@ -217,19 +233,19 @@ class RunningGear(Gear):
             yield f"formulation 'engine', {refused} do not go with {kind}"
         rails = case.shoe.rails
         if rails is None:
-            yield f"shoe.rails must be given with {kind}, whose wheels run on them"
+            yield f"shoe.rails must be given with {kind}: its wheels run on them"
         elif self.tread_width > rails.width:
             width = f"the rails' width {rails.width} m"
             yield f"gear.tread_width must not exceed {width}, got {self.tread_width}"
         if case.drive.on is not None:
-            yield f"drive.on must be None with {kind}, always moved or held; a speed of zero is a brake"
+            yield f"drive.on must be none with {kind}, which is always driven; a speed of zero is a brake"
         if case.drive.slip is not None and (not self.loops or self.holds == POSTS):
-            yield "drive.slip must be none but for closed tracks on the ground, whose drawbar holds it"
+            yield "drive.slip must be none: only closed tracks on the ground have a drawbar that holds it"
         yield from self._bogie_errors()
         yield from arm_errors(self.arms, self.rollers, {n for bogie in self.bogies for n in bogie.rollers})
         yield from self.turn_errors(case.drive)
         if any(load != 0.0 for phase in case.loads.phases for load in phase.loads):
-            yield f"loads must be zero on every shoe with {kind}, whose rollers carry the machine"
+            yield f"loads must be zero on every shoe with {kind}: its rollers carry the machine"
         yield from self.track_errors(case.shoe, self.loop(case.track))
         if case.machine is not None:
             gravity = case.gravity_vector()
@@ -284,7 +300,7 @@ class RunningGear(Gear):
     def turn_errors(self, drive: Drive) -> Errors:
         """Yield an error for a turn of a single track."""
         if drive.turn_rate is not None:
-            yield f"drive.turn_rate must be None with gear.kind {self.kind!r}: one track does not turn"
+            yield f"drive.turn_rate must be none with gear.kind {self.kind!r}: one track alone does not turn"
 
     def track_errors(self, shoe: Shoe, chain: Track) -> Errors:
         """Yield an error for each property of rails and of one track's chain that does not fit the gear."""
@@ -295,7 +311,7 @@ def overlap_errors(wheels: str, places: Sequence[float], radius: float) -> Error
     """Yield an error if wheels at `places` (x, m) are out of order or less than a diameter apart."""
     if np.any(np.diff(places) < 2.0 * radius):
         got = fields.shown(list(places))
-        yield f"{wheels} must stand in order and a diameter {2.0 * radius:.4g} m apart, got {got}"
+        yield f"{wheels} must be in order and at least a diameter, {2.0 * radius:.4g} m, apart, got {got}"
 
 
 def odd_rails(shoe: Shoe, chain: Track, radius: float) -> Iterator[str]:

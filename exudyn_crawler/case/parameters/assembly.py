@@ -89,7 +89,7 @@ def tangent_angle(first: Circle, second: Circle) -> float:
     x1, z1, r1 = second
     apart = math.hypot(x1 - x0, z1 - z0)
     if abs(r0 - r1) >= apart:
-        raise MisfitError(f"wheels at x = {x0:.4g} m and {x1:.4g} m lie in each other")
+        raise MisfitError(f"wheels at x = {x0:.4g} m and {x1:.4g} m overlap")
     return math.atan2(z1 - z0, x1 - x0) - math.acos((r0 - r1) / apart)
 
 

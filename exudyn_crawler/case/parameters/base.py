@@ -38,7 +38,9 @@ def _of_a_body(inertia: Six) -> Six:
     principal = np.linalg.eigvalsh(inertia_tensor(inertia))
     if principal[0] <= 0.0 or principal[2] > principal[0] + principal[1]:
         of_body = "principal moments positive, none above the sum of the other two"
-        raise ValueError(f"must be that of a body ({of_body}), got principal moments {principal.tolist()}")
+        raise ValueError(
+            f"must be the inertia of a body ({of_body}), got principal moments {principal.tolist()}"
+        )
     return inertia
 
 

@@ -27,15 +27,28 @@ class CarBody(base.PH4100C, values=ph4100c.CAR_BODY):
     height of the lower rollers' axes. Track 1 is the right one; `track.first_com` gives its middle.
     """
 
-    track_distance: base.Length = quantity("m", "of the tracks' middles", (1.0, 20.0))
-    mass: base.Mass = quantity("kg", "of the car body without side frames", (1e2, 1e6))
-    inertia: base.Inertia = quantity("kg m2", "Ixx, Iyy, Izz, Iyz, Ixz, Ixy of it about its COM (tensor)")
-    com: base.Three = quantity("m", "its COM", (-10.0, 10.0))
-    upper_mass: base.Mass = quantity("kg", "of the upper structure with dipper", (1e2, 2e6))
-    upper_inertia: base.Inertia = quantity("kg m2", "the same of it about its COM, straight ahead (tensor)")
-    upper_com: base.Three = quantity("m", "its COM, straight ahead", (-20.0, 20.0))
-    swing_axis: Place = quantity("m", "x of the axis it turns about", (-5.0, 5.0), default=0.0)
-    slew: float = quantity("rad", "its angle, to the left", (-3.2, 3.2), ge=-10, le=10, default=0.0)
+    track_distance: base.Length = quantity(
+        "m", "gauge: distance between the middles of both tracks", (1.0, 20.0)
+    )
+    mass: base.Mass = quantity("kg", "mass of the car body without side frames", (1e2, 1e6))
+    inertia: base.Inertia = quantity(
+        "kg m2", "Ixx, Iyy, Izz, Iyz, Ixz, Ixy of the car body about its COM (tensor)"
+    )
+    com: base.Three = quantity("m", "COM of the car body", (-10.0, 10.0))
+    upper_mass: base.Mass = quantity("kg", "mass of the upper structure with dipper", (1e2, 2e6))
+    upper_inertia: base.Inertia = quantity(
+        "kg m2", "Ixx, Iyy, Izz, Iyz, Ixz, Ixy of the upper structure about its COM, at slew 0 (tensor)"
+    )
+    upper_com: base.Three = quantity("m", "COM of the upper structure, at slew 0", (-20.0, 20.0))
+    swing_axis: Place = quantity("m", "x of the upper structure's swing axis", (-5.0, 5.0), default=0.0)
+    slew: float = quantity(
+        "rad",
+        "slewing angle of the upper structure, positive to the left",
+        (-3.2, 3.2),
+        ge=-10,
+        le=10,
+        default=0.0,
+    )
 
     @property
     def middles(self) -> tuple[float, float]:

@@ -28,36 +28,39 @@ class Tumbler(base.PH4100C, values=ph4100c.TUMBLER):
     """
 
     place: Wheel = quantity("m", "x and z of the axis in the frame", (-20.0, 20.0))
-    teeth: int = quantity("1", "number of teeth, and of gaps between them", (6, 30), ge=4, le=200)
+    teeth: int = quantity("1", "number of teeth", (6, 30), ge=4, le=200)
     gaps_per_shoe: int = quantity(
         "1",
-        "gaps from pin to pin: 2 of a half-pitch sprocket, whose chain uses every second",
+        "tooth gaps from pin to pin: 2 for a half-pitch sprocket, whose chain uses every second gap",
         ge=1,
         le=2,
         default=1,
     )
-    mass: float = quantity("kg", "mass", (20.0, 2e5), ge=0.1, le=1e8)
-    inertia: base.Inertia = quantity("kg m2", "Ixx, Iyy, Izz, Iyz, Ixz, Ixy about its centre (tensor)")
+    mass: float = quantity("kg", "mass of the tumbler", (20.0, 2e5), ge=0.1, le=1e8)
+    inertia: base.Inertia = quantity(
+        "kg m2", "Ixx, Iyy, Izz, Iyz, Ixz, Ixy of the tumbler about its centre (tensor)"
+    )
     pitch_radius: base.Length | None = quantity(
         "m",
-        "of the pins on it; none: that of a new chain, pitch / (2 sin(pi gaps_per_shoe / teeth))",
+        "radius of the pins' circle on the tumbler; none: new chain, pitch / (2 sin(pi gaps_per_shoe "
+        "/ teeth))",
         default=None,
     )
     depth: base.Length | None = quantity(
         "m",
-        "of the arcs' centres beyond the pins' circle; none: they are on it, and straight flanks follow",
+        "distance of the arcs' centres outside the pins' circle; none: centres on it, then straight flanks",
         (0.01, 0.5),
         default=None,
     )
     reach: base.Extent | None = quantity(
         "m",
-        "of the addendum circle beyond the pins' circle; none: 0.036 pitches",
+        "distance of the addendum circle outside the pins' circle; none: 0.036 pitches",
         (0.002, 0.4),
         default=None,
     )
     flank: float = quantity(
         "1",
-        "angle of straight flanks over that at which leaving lugs hook",
+        "angle of straight flanks over the angle at which leaving lugs hook",
         (0.6, 0.95),
         gt=0,
         lt=1,
@@ -65,13 +68,17 @@ class Tumbler(base.PH4100C, values=ph4100c.TUMBLER):
     )
     lug_radius: base.Length = quantity("m", "radius of the lugs", (0.005, 0.3))
     lugs: tuple[base.Two, ...] = quantity(
-        "m", "x and z of the lugs in a shoe; none: about its rear pins, which front ones turn in", default=()
+        "m",
+        "x and z of the lugs in a shoe; none: about its rear pins, in which the front pins turn",
+        default=(),
     )
-    backlash: base.Extent = quantity("m", "radius of a gap beyond a lug's seat without play", default=0.0)
-    stiffness: base.Stiffness = quantity("N/m^exponent", "of a tooth's contact", (1e6, 1e11))
-    exponent: base.Exponent = quantity("1", "exponent of the depth", (1.0, 1.6), default=1.0)
-    damping: base.Damping = quantity("N s/m", "greatest damping of a contact", (0.0, 1e8))
-    damping_depth: base.Depth = quantity("m", "depth at which the damping is full", (1e-7, 1e-2))
+    backlash: base.Extent = quantity(
+        "m", "radius of a tooth gap less the radius of a lug that fits without play", default=0.0
+    )
+    stiffness: base.Stiffness = quantity("N/m^exponent", "contact stiffness of a tooth", (1e6, 1e11))
+    exponent: base.Exponent = quantity("1", "exponent of the penetration", (1.0, 1.6), default=1.0)
+    damping: base.Damping = quantity("N s/m", "greatest damping coefficient of a tooth's contact", (0.0, 1e8))
+    damping_depth: base.Depth = quantity("m", "penetration at which the damping is full", (1e-7, 1e-2))
 
     def radius(self, pitch: float) -> float:
         """Return the radius (m) of the pins' circle for a chain with a new pitch (m)."""
@@ -137,7 +144,7 @@ class Tumbler(base.PH4100C, values=ph4100c.TUMBLER):
             yield f"tumbler: {ends}, {less}; {self._remedies(chain)}"
         if not self._has_teeth(chain):
             remedies = self._remedies(chain)
-            yield f"tumbler: neighbouring gaps overlap, so that no tooth is between them; {remedies}"
+            yield f"tumbler: neighbouring gaps overlap and leave no tooth between them; {remedies}"
 
     def _frees_lugs(self, chain: track.Track) -> bool:
         """Return whether leaving lugs do not hook under the teeth."""
@@ -179,9 +186,9 @@ class Tumbler(base.PH4100C, values=ph4100c.TUMBLER):
 class Slide(Parameters):
     """Idler that slides along its side frame, pushed by a spring with a damper, and does not spin."""
 
-    mass: float = quantity("kg", "of the idler with its slide", (5.0, 2e4), ge=0.1, le=1e8)
-    stiffness: base.Stiffness = quantity("N/m", "of the spring", (1e5, 1e9))
-    damping: base.Damping = quantity("N s/m", "of the damper", (0.0, 1e7), default=0.0)
+    mass: float = quantity("kg", "mass of the idler with its slide", (5.0, 2e4), ge=0.1, le=1e8)
+    stiffness: base.Stiffness = quantity("N/m", "stiffness of the spring", (1e5, 1e9))
+    damping: base.Damping = quantity("N s/m", "damping coefficient of the damper", (0.0, 1e7), default=0.0)
 
     def inertia_tensor(self, radius: float) -> np.ndarray:
         """Return the inertia tensor of the idler as a disc of a radius (m): array (3, 3), kg m2."""
@@ -196,7 +203,7 @@ class Slide(Parameters):
 class Tensioner(Slide):
     """Spring-damper that always pushes the idler forward: its force gives the chain its tension."""
 
-    preload: float = quantity("N", "its push on the idler without take-up", (1e3, 1e7), ge=0, le=1e10)
+    preload: float = quantity("N", "push on the idler without take-up", (1e3, 1e7), ge=0, le=1e10)
 
 
 class Recoil(Slide):
@@ -207,8 +214,8 @@ class Recoil(Slide):
     place. The damper acts while the idler moves, and brings it to rest at both ends.
     """
 
-    preload: float = quantity("N", "of the spring as it is installed", (1e4, 1e7), ge=0, le=1e10)
-    stroke: base.Length = quantity("m", "to the stop behind it", (0.01, 0.5))
+    preload: float = quantity("N", "preload of the spring as installed", (1e4, 1e7), ge=0, le=1e10)
+    stroke: base.Length = quantity("m", "stroke of the idler to the stop behind the spring", (0.01, 0.5))
 
     @property
     def relaxation(self) -> float:
@@ -224,40 +231,51 @@ class Idler(base.PH4100C, values=ph4100c.IDLER):
     """
 
     place: Wheel = quantity("m", "x and z of the axis in the frame without take-up", (-20.0, 20.0))
-    radius: base.Length = quantity("m", "radius of its treads", (0.05, 2.0))
+    radius: base.Length = quantity("m", "radius of the idler's treads", (0.05, 2.0))
     sag: base.Length | None = quantity(
-        "m", "of the chain at rest between idler and carrier; none: makers' 2.5 % of the span", default=None
+        "m",
+        "sag of the chain at rest between idler and carrier; none: makers' 2.5 % of the span",
+        default=None,
     )
     pretension: float | None = quantity(
         "N",
-        "of the chain at rest: half of its push on the idler; none: by the sag",
+        "tension of the chain at rest, half of its push on the idler; none: from the sag",
         gt=0,
         le=1e10,
         default=None,
     )
     take_up: float | None = quantity(
-        "m", "of the shims, forward; none: what gives the tension at rest", ge=-5, le=5, default=None
+        "m",
+        "forward displacement of the idler by shims; none: the one that gives the tension at rest",
+        ge=-5,
+        le=5,
+        default=None,
     )
     slack: base.Extent | None = quantity(
-        "m", "by which it stands back from a taut chain; none: by the tension", (0.0, 0.1), default=None
+        "m",
+        "distance of the idler behind its position with a taut chain; none: from the tension",
+        (0.0, 0.1),
+        default=None,
     )
     range: base.Two = quantity("m", "least and greatest take-up", (-1.0, 1.0))
-    tensioner: Tensioner | None = option("spring-damper that pushes it forward; none: shims hold it", None)
-    recoil: Recoil | None = option("spring that gives way beyond its preload; none: it stands still", None)
+    tensioner: Tensioner | None = option(
+        "spring-damper that pushes the idler forward; none: shims hold it", None
+    )
+    recoil: Recoil | None = option("recoil spring that yields above its preload; none: rigid support", None)
 
     def _errors(self) -> Errors:
         if self.range[0] >= self.range[1]:
             yield f"range must be least and greatest take-up in this order, got {self.range}"
         if self.tensioner is not None and self.recoil is not None:
-            yield "tensioner and recoil must not be given together: each is the spring of the idler"
+            yield "tensioner and recoil must not be given together: the idler has one spring"
         tension = {name: getattr(self, name) for name in ("sag", "pretension")}
         named = [name for name, value in tension.items() if value is not None]
         if self.tensioner is not None and named:
-            yield f"{named[0]} must be none with a tensioner, whose preload and stiffness give the tension"
+            yield f"{named[0]} must be none with a tensioner: its preload and stiffness give the tension"
         places = {"take_up": self.take_up, "slack": self.slack}
         named += [name for name, value in places.items() if value is not None]
         if len(named) > 1:
-            yield f"{' and '.join(named)} must not be given together: each says where the idler is"
+            yield f"{' and '.join(named)} must not be given together: each of them places the idler"
 
     @property
     def slide(self) -> Tensioner | Recoil | None:

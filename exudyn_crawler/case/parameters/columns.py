@@ -56,7 +56,9 @@ def factor_of(unit: str, wanted: str, name: str = "") -> float:
     if unit == wanted or (wanted == "1" and not unit):
         return 1.0
     if not unit and name:
-        raise ValueError(f"its head has no unit, such as '{name} in {wanted}' or '{name} [{wanted}]'")
+        raise ValueError(
+            f"the unit is missing in its head, such as '{name} in {wanted}' or '{name} [{wanted}]'"
+        )
     factor = units.number_of(f"1 {unit}", wanted)
     if not isinstance(factor, float):
         raise ValueError(f"unit must be one of {wanted}, got {unit or 'none'!r}")
@@ -80,7 +82,7 @@ def read_text(path: Path) -> str:
         return content.decode(coding)
     except UnicodeDecodeError as error:
         book = "; it looks like a workbook: save the sheet as CSV" if content.startswith(b"PK") else ""
-        raise ValueError(f"{path} is no text in UTF-8 or UTF-16: {error.reason}{book}") from error
+        raise ValueError(f"{path} must be a text in UTF-8 or UTF-16: {error.reason}{book}") from error
 
 
 def read_table(path: str | Path) -> tuple[list[str], list[list[str]]]:
@@ -200,9 +202,9 @@ def read_columns(
         if name not in known:
             near = difflib.get_close_matches(name, known, n=1)
             hint = f"; did you mean {near[0]!r}?" if near else ""
-            raise ValueError(f"{path}: columns must be of {', '.join(known)}, got {name!r}{hint}")
+            raise ValueError(f"{path}: columns must be among {', '.join(known)}, got {name!r}{hint}")
         if name in columns:
-            raise ValueError(f"{path}: column {name!r} must stand once")
+            raise ValueError(f"{path}: column {name!r} must occur once")
         cells = [row[place] for row in rows]
         if name in labels:
             columns[name] = np.array(cells)

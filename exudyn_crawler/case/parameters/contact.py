@@ -13,27 +13,40 @@ class PairContact(Parameters):
     """One contact a volume in which shoe and unit overlap: ADAMS IMPACT, Coulomb friction (`ground.laws`)."""
 
     model: Literal["pair"] = option(
-        "pair: one contact a pair of shoe and unit; spheres: for uneven ground", "pair"
+        "contact model: pair, one contact for each pair of shoe and unit; spheres, for uneven ground", "pair"
     )
     stiffness: base.Stiffness = quantity("N/m^exponent", "contact stiffness k")
     exponent: base.Exponent = quantity("1", "exponent e of the penetration", (1.0, 3.0))
     damping: base.Damping = quantity("N s/m", "greatest damping coefficient c_max", (0.0, 1e8))
     damping_depth: base.Depth = quantity("m", "penetration d at which the damping is full", (1e-6, 0.02))
-    static_friction: base.Coefficient = quantity("1", "coefficient mu_s at the stiction speed", (0.02, 1.5))
-    dynamic_friction: base.Coefficient = quantity("1", "mu_d beyond the friction speed", (0.02, 1.5))
-    stiction_speed: base.Speed = quantity("m/s", "V_st", (1e-5, 0.2))
-    friction_speed: float = quantity("m/s", "V_d", (1e-4, 2.0), ge=1e-9, le=1000)
+    static_friction: base.Coefficient = quantity(
+        "1", "static friction coefficient mu_s, at the stiction speed", (0.02, 1.5)
+    )
+    dynamic_friction: base.Coefficient = quantity(
+        "1", "dynamic friction coefficient mu_d, beyond the friction speed", (0.02, 1.5)
+    )
+    stiction_speed: base.Speed = quantity(
+        "m/s", "slip speed V_st at which friction has its peak", (1e-5, 0.2)
+    )
+    friction_speed: float = quantity(
+        "m/s", "slip speed V_d beyond which friction is dynamic", (1e-4, 2.0), ge=1e-9, le=1000
+    )
     sharing: Literal["pair", "area"] = option(
-        "pair: the whole law for each pair of shoe and unit; area: in proportion to the area in contact"
+        "force of a pair of shoe and unit: pair, the whole law; area, in proportion to the contact area"
     )
     edge_width: base.Width = quantity(
-        "m", "overlap at which a pair has all of the law, which grows from zero with STEP", (1e-4, 0.5)
+        "m",
+        "overlap at which a pair has its full force; it grows from zero by the function STEP",
+        (1e-4, 0.5),
     )
     normal: Literal["face", "area"] = option(
-        "of the force: the top face's, or of the area of faces within a shoe, which leans at edges", "face"
+        "direction of the force: normal of the top face, or of the area of faces below a shoe, which "
+        "tilts at edges",
+        "face",
     )
     penetration: Literal["centroid", "closest"] = option(
-        "at the overlap's centroid, or of the closest points there, less where it is narrow", "centroid"
+        "penetration at the overlap's centroid, or of the closest points there, smaller on a narrow overlap",
+        "centroid",
     )
 
     def _errors(self) -> Errors:
@@ -71,18 +84,23 @@ class SphereContact(Parameters):
     """
 
     model: Literal["spheres"] = option(
-        "spheres: for uneven ground; pair: one contact a pair of shoe and unit", "spheres"
+        "contact model: spheres, for uneven ground; pair, one contact for each pair of shoe and unit",
+        "spheres",
     )
-    spheres_x: int = quantity("1", "spheres along a shoe; two are needed to balance it", ge=2, le=100)
-    spheres_y: int = quantity("1", "spheres across a shoe; two are needed to balance it", ge=2, le=100)
+    spheres_x: int = quantity("1", "spheres along a shoe; at least two balance it", ge=2, le=100)
+    spheres_y: int = quantity("1", "spheres across a shoe; at least two balance it", ge=2, le=100)
     radius: base.Length = quantity("m", "radius of the spheres", (0.02, 2.0))
-    reference_stiffness: base.Stiffness = quantity("N/m^exponent", "k of the IMPACT law that sets the depth")
-    reference_exponent: base.Exponent = quantity("1", "exponent e of that law", (1.0, 3.0))
-    damping: base.Damping = quantity("N s/m", "normal damping of all spheres of a shoe together", (0.0, 1e8))
+    reference_stiffness: base.Stiffness = quantity(
+        "N/m^exponent", "stiffness k of the IMPACT law that sets the penetration"
+    )
+    reference_exponent: base.Exponent = quantity("1", "exponent e of this law", (1.0, 3.0))
+    damping: base.Damping = quantity(
+        "N s/m", "normal damping coefficient of all spheres of a shoe together", (0.0, 1e8)
+    )
     friction: base.Coefficient = quantity("1", "coefficient of friction", (0.02, 1.5))
     friction_speed: base.Speed = quantity("m/s", "slip speed at which friction is full", (1e-5, 0.2))
     faces: Literal["whole", "drawn_back"] = option(
-        "whole: both units push a sphere over their seam; drawn_back: about as hard as one would", "whole"
+        "force over a seam: whole, both units push a sphere; drawn_back, about the force of one unit", "whole"
     )
 
     @classmethod

@@ -29,7 +29,7 @@ class StepProfile(Parameters):
 
     is_value: ClassVar[bool] = True
 
-    times: tuple[Component, ...] = option("increasing times, s", min_length=1)
+    times: tuple[Component, ...] = option("rising times, s", min_length=1)
     values: tuple[Component, ...] = option("value at each time", min_length=1)
 
     def _errors(self) -> Errors:
@@ -94,22 +94,27 @@ class Drive(Parameters):
 
     speed: StepProfile = quantity("m/s", "velocity along global x", (-2.5, 2.5))
     turn_rate: StepProfile | None = quantity(
-        "rad/s", "angular velocity about the shoe's z axis; None leaves it free", (-1.0, 1.0), default=None
+        "rad/s", "angular velocity about the shoe's z axis; none: free", (-1.0, 1.0), default=None
     )
     on: tuple[tuple[float, float], ...] | None = quantity(
-        "s", "times from and to which the drive moves the front shoe, free else; None: always", default=None
+        "s",
+        "times between which the drive moves the front shoe, which is free otherwise; none: always",
+        default=None,
     )
     slip: StepProfile | None = quantity(
         "1",
-        "of closed tracks: a drawbar holds the frame at 1 less slip of the speed, and the drive keeps the "
-        "chain's speed with any torque; None: no drawbar",
+        "slip held on closed tracks: a drawbar holds the frame at (1 - slip) times the speed, and the"
+        " drive keeps the chain's speed with any torque; none: no drawbar",
         (0.0, 1.0),
         default=None,
     )
-    drawbar_height: float = quantity("m", "of the drawbar above the ground, where slip is held", default=0.0)
+    drawbar_height: float = quantity(
+        "m", "height of the drawbar above the ground, for a held slip", default=0.0
+    )
     point: Literal["com node", "front pins", "frame"] = option(
-        "of the front shoe. com node: nearest to `flexible.com_node`, or a rigid shoe's COM; front pins: the "
-        "middle of their centres; frame: the whole shoe, whose force spreads like a weight",
+        "driven point of the front shoe. com node: mesh node nearest to `flexible.com_node`, or COM "
+        "of a rigid shoe; front pins: middle of their centres; frame: the whole shoe, with a force "
+        "distributed like its weight",
         "com node",
     )
 
@@ -122,13 +127,13 @@ class Drive(Parameters):
             if max(map(abs, rate.values)) > FASTEST:
                 yield f"{name} must not exceed {FASTEST:g} in size, got {fields.shown(rate.values)}"
         if self.slip is not None and (min(self.slip.values) < 0.0 or max(self.slip.values) > 1.0):
-            yield f"slip must lie within 0 and 1, got {fields.shown(self.slip.values)}"
+            yield f"slip must be between 0 and 1, got {fields.shown(self.slip.values)}"
         times = [time for window in self.on or () for time in window]
         if times and (times[0] < 0.0 or np.any(np.diff(times) <= 0.0)):
-            yield f"on must be times from 0 s that increase, got {fields.shown(self.on)}"
+            yield f"on must be increasing times from 0 s, got {fields.shown(self.on)}"
         for start in times[::2]:
             if abs(speed := float(self.speed.value(start))) > 1e-9:
-                yield f"speed must be zero where the drive goes on, at {start:g} s, got {speed:.4g} m/s"
+                yield f"speed must be zero at {start:g} s, when the drive is switched on, got {speed:.4g} m/s"
 
     @classmethod
     def translation(cls) -> Self:
@@ -199,17 +204,34 @@ class Solver(Parameters):
 
     step: float = quantity("s", "time step", (1e-5, 0.02), ge=1e-9, le=10, default=2.0e-3)
     quiet_step: float = quantity(
-        "s", f"step {SETTLING:g} s after the drive went off", (1e-5, 0.1), ge=1e-9, le=10, default=0.01
+        "s",
+        f"time step from {SETTLING:g} s after the drive is switched off",
+        (1e-5, 0.1),
+        ge=1e-9,
+        le=10,
+        default=0.01,
     )
-    minimum_step: float = quantity("s", "least step tried before giving up", ge=1e-15, le=10, default=1.0e-6)
-    residual: float = quantity("N", "rms to end Newton's method", (1e-6, 50.0), ge=1e-12, le=1e9, default=0.2)
-    maximum_iterations: int = quantity("1", "iterations before a step is halved", ge=2, le=10_000, default=40)
-    spectral_radius: float = quantity("1", "at infinite frequency: less damps more", gt=0, lt=1, default=0.6)
+    minimum_step: float = quantity(
+        "s", "smallest time step before the run gives up", ge=1e-15, le=10, default=1.0e-6
+    )
+    residual: float = quantity(
+        "N", "rms residual at which Newton's method ends", (1e-6, 50.0), ge=1e-12, le=1e9, default=0.2
+    )
+    maximum_iterations: int = quantity(
+        "1", "iterations of Newton's method before a step is halved", ge=2, le=10_000, default=40
+    )
+    spectral_radius: float = quantity(
+        "1",
+        "spectral radius of the time integration at infinite frequency; a smaller one damps more",
+        gt=0,
+        lt=1,
+        default=0.6,
+    )
     output_interval: float = quantity(
-        "s", "between stored states; at least a step", ge=1e-9, le=1e9, default=2.0e-3
+        "s", "time between stored states; at least a step", ge=1e-9, le=1e9, default=2.0e-3
     )
     checkpoint_interval: float = quantity(
-        "s", "between states from which a run, or a killed one, starts again", ge=1e-3, le=1e9, default=1.0
+        "s", "time between checkpoints, from which a run can be continued", ge=1e-3, le=1e9, default=1.0
     )
 
     def _errors(self) -> Errors:

@@ -90,7 +90,7 @@ def _even(name: str, places: np.ndarray) -> np.ndarray:
     rounding = 2.0 * np.finfo(places.dtype).eps * np.abs(places).max()
     exact = places.astype(float)
     if not np.isfinite(exact).all() or np.ptp(exact) <= rounding:
-        raise ValueError(f"its places along {name} must differ, got {exact[0]:.8g} to {exact[-1]:.8g} m")
+        raise ValueError(f"its positions along {name} must differ, got {exact[0]:.8g} to {exact[-1]:.8g} m")
     number = np.arange(len(exact))
     even = np.linspace(exact[0], exact[-1], len(exact))
     if rounding > EVEN * np.ptp(exact):
@@ -108,7 +108,7 @@ def size_of(unit: str, name: str) -> float:
         raise ValueError(f"its {name} are in degrees; {PROJECT}")
     size = number_of(f"1 {unit}", "m")
     if not isinstance(size, float):
-        raise ValueError(f"{unit!r} is no unit of length, of its {name}, such as m, mm, km or ft")
+        raise ValueError(f"{unit!r} must be a unit of length of its {name}, such as m, mm, km or ft")
     return size
 
 
@@ -121,7 +121,7 @@ def _ascii(path: Path, units: Units) -> tuple[np.ndarray, np.ndarray, np.ndarray
     try:
         text = read_text(path)
     except ValueError:
-        raise ValueError("it is no text: an ESRI ASCII grid has a head and rows of numbers") from None
+        raise ValueError("it must be a text: an ESRI ASCII grid has a head and rows of numbers") from None
     words = text.lower().split()
     if "," in text and "." not in text:
         words = [word.replace(",", ".") if COMMA.fullmatch(word) else word for word in words]
@@ -132,7 +132,7 @@ def _ascii(path: Path, units: Units) -> tuple[np.ndarray, np.ndarray, np.ndarray
         start += 2
     columns, rows, sides, corner = _head_values(head)
     if len(words) - start != columns * rows:
-        raise ValueError(f"{columns} x {rows} heights are announced, got {len(words) - start}")
+        raise ValueError(f"{columns} x {rows} heights are announced in its head, got {len(words) - start}")
     z = _ascii_heights(words[start:]).reshape(rows, columns)[::-1].T
     missing = _number("nodata_value", head.get("nodata_value", "-9999"), or_none=True)
     if missing is not None:
@@ -145,7 +145,7 @@ def _ascii(path: Path, units: Units) -> tuple[np.ndarray, np.ndarray, np.ndarray
 def _head_values(head: Mapping[str, str]) -> tuple[int, int, list[float], list[float]]:
     """Return columns, rows, spacing and first coordinates along x and y of a head."""
     if unknown := [name for name in head if name not in HEAD + CORNERS]:
-        raise ValueError(f"its head has {unknown[0]!r}, which no ESRI ASCII grid has: {', '.join(HEAD)}")
+        raise ValueError(f"its head has {unknown[0]!r}, but an ESRI ASCII grid has only {', '.join(HEAD)}")
     missing = [name for name in ("ncols", "nrows") if name not in head]
     has_sides = "cellsize" in head or ("dx" in head and "dy" in head)
     missing += [] if has_sides else ["cellsize"]
@@ -200,13 +200,13 @@ def _ascii_heights(words: list[str]) -> np.ndarray:
             float(word)
         except ValueError:
             comma = "; numbers have a point, not a comma" if "," in word else ""
-            raise ValueError(f"height {number + 1} is no number, got {word[:40]!r}{comma}") from None
-    raise ValueError("its heights are no numbers")
+            raise ValueError(f"height {number + 1} must be a number, got {word[:40]!r}{comma}") from None
+    raise ValueError("its heights must be numbers")
 
 
 def _refuse_spacing(units: Units) -> None:
     if units.spacing is not None:
-        raise ValueError("spacing must be left out: the file has places of its own")
+        raise ValueError("spacing must be left out: the file has positions")
 
 
 def _npy(path: Path, units: Units) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -214,14 +214,14 @@ def _npy(path: Path, units: Units) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         raise ValueError("an NPY file needs a spacing")
     with path.open("rb") as file:
         if file.read(6) != b"\x93NUMPY":
-            raise ValueError("it is no NPY file, as numpy.save writes one array")
+            raise ValueError("it must be an NPY file of one array, as numpy.save writes it")
     # a memory map allocates nothing for a head that announces more than the file has
     try:
         z = np.lib.format.open_memmap(path, mode="r")
     except (ValueError, OverflowError) as error:
-        raise ValueError(f"its head does not fit what follows it: {error}") from None
+        raise ValueError(f"its head does not match its content: {error}") from None
     if z.dtype.kind not in "iuf":
-        raise ValueError(f"its array must be of numbers, got {z.dtype}")
+        raise ValueError(f"its array must consist of numbers, got {z.dtype}")
     if z.ndim != 2:
         raise ValueError(f"its array must have 2 axes, got {z.ndim}")
     x, y = (units.spacing * np.arange(count) for count in z.shape)
@@ -237,7 +237,7 @@ def _netcdf(path: Path, units: Units) -> tuple[np.ndarray, np.ndarray, np.ndarra
     try:
         opened = xarray.open_dataset(path, decode_times=False)
     except ValueError:
-        raise ValueError("it is no NetCDF file that can be read") from None
+        raise ValueError("it must be a readable NetCDF file") from None
     with opened as data:
         maps = []
         for variable in data.squeeze().data_vars.values():
@@ -251,7 +251,7 @@ def _netcdf(path: Path, units: Units) -> tuple[np.ndarray, np.ndarray, np.ndarra
         if not field.size:
             raise ValueError(f"it has no heights: {' x '.join(map(str, field.shape))} of them")
         if str(field.attrs.get("positive", "")).lower() == "down":
-            raise ValueError("it has depths, which are positive down: heights are needed")
+            raise ValueError("it has depths, positive downward, but heights are needed: change their sign")
         places = [_netcdf_places(field, str(dimension), units) for dimension in field.dims]
         height = units.height or field.attrs.get("units") or "m"
         z = field.values.astype(float) * size_of(str(height).strip(), "heights")
@@ -267,7 +267,7 @@ def _axis_of(data: Any, dimension: str) -> str:
     attributes = data[dimension].attrs if dimension in data.coords else {}
     names = {str(dimension).lower(), str(attributes.get("standard_name", "")).lower()}
     if names & set(DEGREES) or str(attributes.get("units", "")).lower().startswith("degree"):
-        raise ValueError(f"its places are in degrees ({dimension}); {PROJECT}")
+        raise ValueError(f"its positions are in degrees ({dimension}); {PROJECT}")
     if names & set(X_NAMES):
         return "x"
     return "y" if names & set(Y_NAMES) else str(dimension)
@@ -277,12 +277,12 @@ def _netcdf_places(field: Any, dimension: str, units: Units) -> np.ndarray:
     """Return the coordinates of a field along a dimension, m, with the floating-point type of the file."""
     if dimension not in field.coords:
         if units.spacing is None:
-            raise ValueError(f"it has no places along {dimension}: give their spacing")
+            raise ValueError(f"it has no positions along {dimension}: give their spacing")
         return units.spacing * np.arange(field.sizes[dimension])
     _refuse_spacing(units)
     places = field[dimension]
     if places.dtype.kind not in "iuf":
-        raise ValueError(f"its places along {dimension} must be numbers, got {places.dtype}")
+        raise ValueError(f"its positions along {dimension} must be numbers, got {places.dtype}")
     unit = units.place or places.attrs.get("units") or "m"
     values = places.values if places.dtype.kind == "f" else places.values.astype(float)
     return np.asarray(values * values.dtype.type(size_of(str(unit).strip(), "places")))
@@ -298,7 +298,7 @@ def _tiff(path: Path, units: Units) -> tuple[np.ndarray, np.ndarray, np.ndarray]
         move = data.transform
         system = data.crs
         if system is not None and system.is_geographic:
-            raise ValueError(f"its places are in degrees; {PROJECT}")
+            raise ValueError(f"its positions are in degrees; {PROJECT}")
         if move.b != 0.0 or move.d != 0.0 or move.a <= 0.0 or move.e >= 0.0:
             raise ValueError("its rows must run from north to south, its columns from west to east")
         z = data.read(1, masked=True).astype(float).filled(np.nan)

@@ -26,13 +26,15 @@ class Ridge(Parameters):
 
     model: Literal["ridge"] = "ridge"
     name: Name = "ridge"
-    x: Place = quantity("m", "of the middle of its top, global", default=0.0)
-    y: Place = quantity("m", "the same", default=0.0)
-    heading: float = quantity("deg", "of the ridge, from x to y", ge=-360, le=360, default=90.0)
-    height: float = quantity("m", "above the ground about it; negative: a rut", ge=-100, le=100)
-    width: float = quantity("m", "of the top", ge=0, le=1e3)
-    flank: float = quantity("m", "length of each flank, seen from above", gt=0, le=1e3)
-    length: float = quantity("m", "of the top along the ridge", gt=0, le=1e6, default=1e6)
+    x: Place = quantity("m", "global x of the middle of the ridge's top", default=0.0)
+    y: Place = quantity("m", "global y of the middle of the ridge's top", default=0.0)
+    heading: float = quantity(
+        "deg", "direction of the ridge, angle from x to y", ge=-360, le=360, default=90.0
+    )
+    height: float = quantity("m", "height above the surrounding ground; negative: a rut", ge=-100, le=100)
+    width: float = quantity("m", "width of the top", ge=0, le=1e3)
+    flank: float = quantity("m", "horizontal length of each flank", gt=0, le=1e3)
+    length: float = quantity("m", "length of the top along the ridge", gt=0, le=1e6, default=1e6)
 
     def sample(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
         """Return height and slopes, see `Heights.sample`."""
@@ -49,11 +51,11 @@ class Ramp(Parameters):
 
     model: Literal["ramp"] = "ramp"
     name: Name = "ramp"
-    x: Place = quantity("m", "of a point of its foot, global")
-    y: Place = quantity("m", "the same", default=0.0)
-    heading: float = quantity("deg", "uphill, from x to y", ge=-360, le=360, default=0.0)
-    height: float = quantity("m", "of its top above its foot; negative: downhill", ge=-100, le=100)
-    flank: float = quantity("m", "length, seen from above", gt=0, le=1e4)
+    x: Place = quantity("m", "global x of a point of the ramp's foot")
+    y: Place = quantity("m", "global y of this point", default=0.0)
+    heading: float = quantity("deg", "uphill direction, angle from x to y", ge=-360, le=360, default=0.0)
+    height: float = quantity("m", "height of the top above the foot; negative: downhill", ge=-100, le=100)
+    flank: float = quantity("m", "horizontal length of the ramp", gt=0, le=1e4)
 
     def sample(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
         """Return height and slopes, see `Heights.sample`."""
@@ -68,11 +70,13 @@ class Waves(Parameters):
 
     model: Literal["waves"] = "waves"
     name: Name = "waves"
-    x: Place = quantity("m", "of a point of a trough, global", default=0.0)
-    y: Place = quantity("m", "the same", default=0.0)
-    heading: float = quantity("deg", "across the hills, from x to y", ge=-360, le=360, default=0.0)
-    height: float = quantity("m", "of crests above troughs", ge=-100, le=100)
-    length: float = quantity("m", "from crest to crest", gt=0, le=1e6)
+    x: Place = quantity("m", "global x of a point of a trough", default=0.0)
+    y: Place = quantity("m", "global y of this point", default=0.0)
+    heading: float = quantity(
+        "deg", "direction across the crests, angle from x to y", ge=-360, le=360, default=0.0
+    )
+    height: float = quantity("m", "height of the crests above the troughs", ge=-100, le=100)
+    length: float = quantity("m", "wavelength", gt=0, le=1e6)
 
     def sample(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
         """Return height and slopes, see `Heights.sample`."""
@@ -88,11 +92,11 @@ class Stone(Parameters):
 
     model: Literal["stone"] = "stone"
     name: Name = "stone"
-    x: Place = quantity("m", "of its middle, global")
-    y: Place = quantity("m", "the same")
-    height: float = quantity("m", "above the ground about it", ge=-100, le=100)
+    x: Place = quantity("m", "global x of the stone's middle")
+    y: Place = quantity("m", "global y of the stone's middle")
+    height: float = quantity("m", "height above the surrounding ground", ge=-100, le=100)
     width: float = quantity("m", "diameter of the top", ge=0, le=1e3, default=0.0)
-    flank: float = quantity("m", "length of the flank, seen from above", gt=0, le=1e3)
+    flank: float = quantity("m", "horizontal length of the flank", gt=0, le=1e3)
 
     def sample(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
         """Return height and slopes, see `Heights.sample`."""
@@ -111,11 +115,15 @@ class Roughness(Parameters):
     and 256e-6 m3 for a bad one (class C).
     """
 
-    spectrum: float = quantity("m3", "G at 0.1 cycles/m", plausible=(1e-6, 0.02), ge=0, le=1)
-    exponent: float = quantity("1", "w of the spectrum", plausible=(1.5, 3.0), gt=1, le=5, default=2.0)
-    longest: float = quantity("m", "longest wave", gt=0, le=1e4, default=20.0)
-    shortest: float = quantity("m", "shortest wave", gt=0, le=1e4, default=0.4)
-    seed: int = quantity("1", "of the random numbers", ge=0, le=2**32 - 1, default=0)
+    spectrum: float = quantity(
+        "m3", "power spectral density G of the heights at 0.1 cycles/m", plausible=(1e-6, 0.02), ge=0, le=1
+    )
+    exponent: float = quantity(
+        "1", "waviness w, exponent of the spectrum", plausible=(1.5, 3.0), gt=1, le=5, default=2.0
+    )
+    longest: float = quantity("m", "longest wavelength", gt=0, le=1e4, default=20.0)
+    shortest: float = quantity("m", "shortest wavelength", gt=0, le=1e4, default=0.4)
+    seed: int = quantity("1", "seed of the random numbers", ge=0, le=2**32 - 1, default=0)
 
     def _errors(self) -> Errors:
         if self.shortest >= self.longest:
@@ -151,12 +159,12 @@ class Heights(Parameters):
     """Heights of a ground: a plane, and what is on it."""
 
     level: Place = quantity("m", "height of the plane at the origin", default=0.0)
-    slope_x: float = quantity("1", "rise of the plane along x", ge=-1, le=1, default=0.0)
-    slope_y: float = quantity("1", "the same along y", ge=-1, le=1, default=0.0)
+    slope_x: float = quantity("1", "rise of the plane along x over the distance", ge=-1, le=1, default=0.0)
+    slope_y: float = quantity("1", "rise of the plane along y over the distance", ge=-1, le=1, default=0.0)
     parts: tuple[Part, ...] = option("ridges, ruts, ramps, waves and stones", ())
-    roughness: Roughness | None = option("random roughness; None: smooth", None)
-    measured: MeasuredGrid | None = option("measured heights; None: none", None)
-    scale: float = quantity("1", "factor of all of these", ge=-1e3, le=1e3, default=1.0)
+    roughness: Roughness | None = option("random roughness; none: smooth", None)
+    measured: MeasuredGrid | None = option("measured heights from a file; none: no file", None)
+    scale: float = quantity("1", "factor of all heights", ge=-1e3, le=1e3, default=1.0)
 
     def sample(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
         """Return height (m) and slopes along x and y at places (m): (..., 3); NaN beyond measured heights."""

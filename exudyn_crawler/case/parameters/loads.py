@@ -53,9 +53,11 @@ class Phase(PhaseEnd):
     """Part of a load cycle: the load on every shoe at its end, and where across the shoes it acts."""
 
     loads: tuple[Load, ...] = quantity(
-        "N", "downward load on shoes 1..n at the phase's end", in_place=EQUAL_LOADS, min_length=1
+        "N", "downward loads on shoes 1 to n at the phase's end", in_place=EQUAL_LOADS, min_length=1
     )
-    side_shift: float = quantity("m", "how far left (+y) loads act", (-1.0, 1.0), ge=-10, le=10, default=0.0)
+    side_shift: float = quantity(
+        "m", "lateral shift of the loads, positive to the left (+y)", (-1.0, 1.0), ge=-10, le=10, default=0.0
+    )
 
 
 class LoadCycle(Cycle):

@@ -15,7 +15,9 @@ from exudyn_crawler.settings.parameters import Errors, Several, quantity
 class MachinePhase(loads.PhaseEnd):
     """Part of a machine's cycle: force and moment on the side frame at its end."""
 
-    force: base.Vector = quantity("N", "force at the frame's origin beside the frame's weight, global")
+    force: base.Vector = quantity(
+        "N", "force at the frame's origin in addition to the frame's weight, global"
+    )
     moment: base.Vector = quantity("N m", "moment about the frame's origin, global")
 
 

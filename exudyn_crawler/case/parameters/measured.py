@@ -33,24 +33,34 @@ Bounds = tuple[tuple[float, float], tuple[float, float]]
 class MeasuredGrid(Parameters):
     """Heights of a file, smoothed: a step between two of them has no slope of its own."""
 
-    file: File = quantity("", "ESRI ASCII grid (.asc), NumPy array (.npy), NetCDF (.nc) or GeoTIFF (.tif)")
+    file: File = quantity(
+        "", "file of the grid: ESRI ASCII grid (.asc), NumPy array (.npy), NetCDF (.nc) or GeoTIFF (.tif)"
+    )
     smoothing: float = quantity(
-        "m", "standard deviation of the Gaussian that smooths; about a cell", ge=0, le=100, default=0.1
+        "m",
+        "standard deviation of the Gaussian smoothing; about the size of a cell",
+        ge=0,
+        le=100,
+        default=0.1,
     )
     spacing: float | None = quantity(
         "m",
-        "of the places of a file that has none: NPY, an array (x, y), or NetCDF",
+        "spacing of the points of a file without positions: NPY, or NetCDF; array (x, y)",
         gt=0,
         le=1e4,
         default=None,
     )
     origin: tuple[Shift, Shift] = quantity(
         "m",
-        "x and y of the first place of a file without any; shift of those of others",
+        "x and y of the first point of a file without positions; shift of the points of other files",
         default=(0.0, 0.0),
     )
-    place_unit: str | None = option("unit of the file's places, such as km; none: as it says, or m", None)
-    height_unit: str | None = option("unit of its heights, such as mm or ft; none: as it says, or m", None)
+    place_unit: str | None = option(
+        "unit of the file's positions, such as km; none: as stated in the file, or m", None
+    )
+    height_unit: str | None = option(
+        "unit of the file's heights, such as mm or ft; none: as stated in the file, or m", None
+    )
 
     def _errors(self) -> Errors:
         try:

@@ -31,8 +31,10 @@ class Ground(Parameters):
     """Parameters of every ground: heights before any shoe came, in axes that lean with it, unlike gravity."""
 
     grade: Slope = quantity("1", "rise over horizontal run along x; + is uphill", (-0.3, 0.3), default=0.0)
-    side_slope: Slope = quantity("1", "the same along y; + rises to the left", (-0.3, 0.3), default=0.0)
-    relief: Heights = option("heights of the ground before any shoe came", Heights())
+    side_slope: Slope = quantity(
+        "1", "rise over horizontal run along y; + rises to the left", (-0.3, 0.3), default=0.0
+    )
+    relief: Heights = option("heights of the undisturbed ground", Heights())
 
     @property
     def is_even(self) -> bool:
@@ -81,20 +83,22 @@ class Terrain(Ground):
     directions are in the ground's own axes: on a slope gravity leans, and z stays normal to the ground.
     """
 
-    model: Literal["units"] = option("units: blocks on springs, as the papers'", "units")
+    model: Literal["units"] = option("terrain model: units, blocks on springs as in the papers", "units")
     origin: Two = quantity("m", "global x and y of the corner of the top face at unit 1", default=(0.0, 0.0))
-    columns: int = quantity("1", "units along x", ge=1, le=10_000)
-    rows: int = quantity("1", "units along y", ge=1, le=10_000)
+    columns: int = quantity("1", "number of units along x", ge=1, le=10_000)
+    rows: int = quantity("1", "number of units along y", ge=1, le=10_000)
     unit_length: float = quantity("m", "side of a unit in x", (0.1, 50.0), ge=1e-2, le=1e4)
     unit_width: float = quantity("m", "side of a unit in y", (0.1, 50.0), ge=1e-2, le=1e4)
     unit_height: float = quantity("m", "height of a unit", (0.1, 50.0), ge=1e-3, le=1e4)
     density: float = quantity("kg/m3", "density of the units", (500.0, 4000.0), ge=1e-3, le=1e6)
-    springs_per_unit: Literal[1, 2] = quantity("1", "vertical spring-dampers under each unit")
+    springs_per_unit: Literal[1, 2] = quantity("1", "number of vertical spring-dampers below each unit")
     spring_stiffness: float = quantity("N/m", "stiffness of each spring", (1e5, 1e11), ge=1.0, le=1e15)
     spring_damping: float = quantity("N s/m", "damping of each spring-damper", (0.0, 1e7), ge=0, le=1e15)
-    spring_offset: float = quantity("m", "of each of two springs from the unit's centre", ge=0, le=1e4)
-    column_tilt: bool = quantity("", "whether each spring resists tilting like the soil column it stands for")
-    tilt: Literal["pitch", "roll"] = quantity("", "tilt that units keep: pitch (about y) or roll (about x)")
+    spring_offset: float = quantity(
+        "m", "distance of each of two springs from the unit's centre", ge=0, le=1e4
+    )
+    column_tilt: bool = quantity("", "tilt stiffness of the soil column below each spring")
+    tilt: Literal["pitch", "roll"] = quantity("", "tilt of the units: pitch (about y) or roll (about x)")
 
     def _errors(self) -> Errors:
         half = 0.5 * self.tilt_length
@@ -264,7 +268,7 @@ Laws with compiled code are in rooms above this one, or in other packages.
 class SoilLaw(Parameters):
     """Parameters of a law of the cells: what each of them has."""
 
-    model: str = option("which law: the name of its file in ground/cells/laws")
+    model: str = option("name of the law, that of its file in ground/cells/laws")
 
     @staticmethod
     @cache
@@ -292,7 +296,7 @@ def law_class(model: object) -> type[SoilLaw]:
     laws = {fields.tag_of(law): law for law in SoilLaw.plugged_in()}
     known = " or ".join(f"{name!r}" for name in sorted(laws))
     if model is None:
-        raise ParameterError(f"model: missing; a law is of the model {known}")
+        raise ParameterError(f"model must be given: {known}")
     if not isinstance(model, str) or model not in laws:
         raise ParameterError(f"model: must be {known}, got {fields.shown(model)}")
     return laws[model]
@@ -315,20 +319,22 @@ def _law(values: Any, info: ValidationInfo) -> Any:
 class CellContact(Parameters):
     """Shoes on cells: pressure and shear of every cell by a law of the soil."""
 
-    model: Literal["cells"] = option("cells: ground that remembers", "cells")
-    law: Annotated[SerializeAsAny[SoilLaw], BeforeValidator(_law)] = option("law of the soil, by its model")
+    model: Literal["cells"] = option("contact model: cells, ground with memory", "cells")
+    law: Annotated[SerializeAsAny[SoilLaw], BeforeValidator(_law)] = option("law of the soil")
 
 
 class CellTerrain(Ground):
     """Field of square cells, each with a height, the sinkage that it has had and the shear that it bears."""
 
-    model: Literal["cells"] = option("cells: ground that remembers", "cells")
-    origin: Two = quantity("m", "x and y of the field's first corner, global")
-    length: float = quantity("m", "of the field along x", gt=0, le=1e5)
-    width: float = quantity("m", "of the field along y", gt=0, le=1e5)
+    model: Literal["cells"] = option("terrain model: cells, ground with memory", "cells")
+    origin: Two = quantity("m", "global x and y of the field's first corner")
+    length: float = quantity("m", "length of the field along x", gt=0, le=1e5)
+    width: float = quantity("m", "width of the field along y", gt=0, le=1e5)
     cell: float = quantity("m", "side of a cell", plausible=(0.02, 0.2), ge=1e-3, le=10, default=0.1)
     ruts: File | None = quantity(
-        "", "history (.nc) of an earlier run on this ground, whose ruts it has; none: fresh", default=None
+        "",
+        "history (.nc) of an earlier run on this ground, with its ruts; none: undisturbed ground",
+        default=None,
     )
 
     @property
@@ -377,9 +383,11 @@ class CellTerrain(Ground):
         # a damaged file makes the readers raise errors of many classes
         except Exception as error:
             reason = " ".join(str(error).split())
-            raise ValueError(f"terrain.ruts: {self.ruts} has no ground of cells: {reason}") from error
+            raise ValueError(f"terrain.ruts: {self.ruts} holds no ground of cells: {reason}") from error
         ground = self.model_dump(mode="json") | {"law": law.model_dump(mode="json")}
         its = case["terrain"] | {"law": case["contact"]["law"]}
         if others := [name for name in ("cell", "relief", "law") if its[name] != ground[name]]:
-            raise ValueError(f"terrain.ruts: {self.ruts} is of a ground with another {' and '.join(others)}")
+            raise ValueError(
+                f"terrain.ruts: {self.ruts} is the history of a ground with another {' and '.join(others)}"
+            )
         return cells

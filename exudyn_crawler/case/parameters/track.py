@@ -34,7 +34,7 @@ class Rails(base.PH4100C, values=ph4100c.RAILS):
     right: Place = quantity("m", "y of the middle of the right rail", (-1.5, 0.0))
     left: Place = quantity("m", "y of the middle of the left rail", (0.0, 1.5))
     width: Length = quantity("m", "width of a rail", (0.02, 1.0))
-    height: Place = quantity("m", "z of their tops", (0.0, 1.0))
+    height: Place = quantity("m", "z of the rails' tops", (0.0, 1.0))
 
     def _errors(self) -> Errors:
         if self.front <= self.rear:
@@ -54,38 +54,48 @@ class Shoe(base.PH4100C, values=ph4100c.SHOE):
     Places are given in the shoe's frame: origin at the COM, x in the propel direction, y lateral, z up.
     """
 
-    mass: float = quantity("kg", "mass", (5.0, 2e4), ge=0.1, le=1e7)
-    inertia: base.Inertia = quantity("kg m2", "Ixx, Iyy, Izz, Iyz, Ixz, Ixy about the COM (tensor)")
+    mass: float = quantity("kg", "mass of a shoe", (5.0, 2e4), ge=0.1, le=1e7)
+    inertia: base.Inertia = quantity("kg m2", "Ixx, Iyy, Izz, Iyz, Ixz, Ixy of a shoe about its COM (tensor)")
     com_height: Length = quantity("m", "height of the COM above the underside", (0.01, 1.0))
     length: Length = quantity("m", "length of the flat underside in x", (0.01, 2.0))
     width: Length = quantity("m", "width of the flat underside in y", (0.2, 6.0))
-    underside_center: base.Two = quantity("m", "x and y of the underside's centre in its frame", (-1.0, 1.0))
+    underside_center: base.Two = quantity(
+        "m", "x and y of the underside's centre in the shoe's frame", (-1.0, 1.0)
+    )
     finger_length: base.Extent = quantity(
-        "m", "of the rear fingers between the front lugs of the shoe behind; 0: none", (0.0, 0.5), default=0.0
+        "m",
+        "length of the rear fingers between the front lugs of the shoe behind; 0: no fingers",
+        (0.0, 0.5),
+        default=0.0,
     )
     finger_sides: tuple[Place, ...] = quantity(
-        "m", "y of the right and left side of every finger, from right to left", (-3.0, 3.0), default=()
+        "m", "y of the right and the left side of every finger, from right to left", (-3.0, 3.0), default=()
     )
     ground_share: float = quantity(
         "1",
-        "part of the underside's rectangle that presses on the ground",
+        "fraction of the underside's rectangle that touches the ground",
         (0.02, 1.0),
         gt=0,
         le=1,
         default=1.0,
     )
     strip_length: base.Extent = quantity(
-        "m", "length in x of each strip of it, such as a grouser's tip; 0: no strips", (0.0, 0.5), default=0.0
+        "m",
+        "length in x of each contact strip, such as a grouser's tip; 0: no strips",
+        (0.0, 0.5),
+        default=0.0,
     )
-    load_point: base.Three = quantity("m", "where the load acts: the top face's centroid", (-3.0, 3.0))
-    rails: Rails | None = option("rails that rollers roll on", None)
+    load_point: base.Three = quantity(
+        "m", "point of action of the load: centroid of the top face", (-3.0, 3.0)
+    )
+    rails: Rails | None = option("rails for the rollers", None)
 
     def _errors(self) -> Errors:
         sides = self.finger_sides
         (low, high) = self.footprint[2:4]
         if (self.finger_length > 0.0) != bool(sides):
             got = f"{self.finger_length:g} m and {len(sides)} sides"
-            yield f"finger_length must be positive where finger_sides are given and zero else, got {got}"
+            yield f"finger_length must be positive with finger_sides, and zero without them, got {got}"
         if self.finger_length >= self.length:
             yield f"finger_length must be less than the length {self.length:g} m, got {self.finger_length:g}"
         if self.strip_length > self.length:
@@ -93,7 +103,7 @@ class Shoe(base.PH4100C, values=ph4100c.SHOE):
         beyond = sides and (sides[0] < low - 1e-9 or sides[-1] > high + 1e-9)
         if len(sides) % 2 or np.any(np.diff(sides) <= 0.0) or beyond:
             within = f"stay within the underside from {low:g} to {high:g} m, got {list(sides)}"
-            yield f"finger_sides must be two a finger, grow from right to left and {within}"
+            yield f"finger_sides must be two values for each finger, rise from right to left and {within}"
 
     @classmethod
     def kinematics(cls) -> Self:
@@ -208,13 +218,13 @@ class Track(base.PH4100C, values=ph4100c.TRACK):
     an axis kept parallel at the other.
     """
 
-    shoe_count: int = quantity("1", "number of shoes, of all tracks", (2, 200), ge=2, le=MOST_SHOES)
+    shoe_count: int = quantity("1", "number of shoes on all tracks", (2, 200), ge=2, le=MOST_SHOES)
     first_com: base.Two = quantity("m", "x and y of the COM of shoe 1 at t = 0")
-    pitch: Length = quantity("m", "distance of the COMs of neighbours in x", (0.08, 2.0))
+    pitch: Length = quantity("m", "distance in x between the COMs of neighbouring shoes", (0.08, 2.0))
     pin_ahead: Length = quantity("m", "x of the front pins ahead of the COM", (0.02, 2.0))
     pin_height: float = quantity("m", "z of the pins above the COM", (-1.0, 1.0), ge=-100, le=100)
-    spherical_y: Place = quantity("m", "y of the spherical joints, global, at t = 0")
-    parallel_y: Place = quantity("m", "y of the parallel-axes joints, global, at t = 0")
+    spherical_y: Place = quantity("m", "global y of the spherical joints at t = 0")
+    parallel_y: Place = quantity("m", "global y of the parallel joints at t = 0")
 
     def _errors(self) -> Errors:
         if self.pin_ahead >= self.pitch:
@@ -279,7 +289,7 @@ def mesh_beside(name: str, info: ValidationInfo) -> str:
         return name
     # Path.is_file raises for some texts
     if not os.path.isfile(info.context / name):
-        raise ValueError(f"neither one of {', '.join(SHOE_SIZES)} nor a file: {name!r}")
+        raise ValueError(f"the mesh must be one of {', '.join(SHOE_SIZES)} or a file, got {name!r}")
     return str((info.context / name).resolve())
 
 
@@ -288,32 +298,42 @@ class FlexibleShoes(Parameters):
 
     shoes: parameters.Rising[int] = option("numbers of the flexible shoes", min_length=1)
     mesh: Annotated[str, AfterValidator(mesh_beside)] = option(
-        "coarse, study or fine, or the path of a mesh with the same surfaces"
+        "mesh: coarse, study or fine, or the path of a file with the same surfaces"
     )
-    youngs_modulus: float = quantity("Pa", "E", (5e10, 5e11), ge=1.0, le=1e15)
-    poissons_ratio: float = quantity("1", "nu", (0.0, 0.45), gt=-1, lt=0.5)
-    density: float = quantity("kg/m3", "density", (1000.0, 2e4), ge=1e-3, le=1e6)
-    fixed_modes: int = quantity("1", "fixed-interface modes of the basis that is integrated", ge=0, le=10_000)
-    recovered_modes: int = quantity("1", "fixed-interface modes that stress is made of", ge=0, le=10_000)
+    youngs_modulus: float = quantity("Pa", "Young's modulus E", (5e10, 5e11), ge=1.0, le=1e15)
+    poissons_ratio: float = quantity("1", "Poisson's ratio nu", (0.0, 0.45), gt=-1, lt=0.5)
+    density: float = quantity("kg/m3", "density of the material", (1000.0, 2e4), ge=1e-3, le=1e6)
+    fixed_modes: int = quantity(
+        "1", "number of fixed-interface modes in the integrated basis", ge=0, le=10_000
+    )
+    recovered_modes: int = quantity(
+        "1", "number of fixed-interface modes in the basis for stress recovery", ge=0, le=10_000
+    )
     load_surface: str = option(
-        "that bears the machine load: whole top, plateau (no wings), rails, or one of the mesh", "whole top"
+        "surface that bears the machine load: whole top, plateau (no wings), rails, or one of the mesh",
+        "whole top",
     )
     com_node: base.Three = quantity(
-        "m", "place in the shoe's frame whose nearest mesh node a drive may move", default=(0.0, 0.0, 0.0)
+        "m", "point in the shoe's frame; a drive may move the nearest mesh node", default=(0.0, 0.0, 0.0)
     )
-    load_mode: bool = option("whether both bases include the static response to the machine load", False)
+    load_mode: bool = option("static response to the machine load as a mode of both bases", False)
     static_fields: bool = option(
-        "whether stress includes the static response to all loads; left out is the inertia of further modes",
+        "static response to all loads in the stress; only the inertia of further modes is neglected",
         True,
     )
     highest_frequency: float | None = quantity(
-        "Hz", "above which integrated modes are left out", (50.0, 1e6), gt=0, le=1e12, default=None
+        "Hz",
+        "highest frequency of the integrated modes; none: no limit",
+        (50.0, 1e6),
+        gt=0,
+        le=1e12,
+        default=None,
     )
     modes: parameters.Rising[int] | None = option(
-        "numbers (from 1) of the modes that are integrated", None, min_length=1
+        "numbers (from 1) of the integrated modes; none: all", None, min_length=1
     )
     damping: drive.StepProfile = quantity(
-        "1", "modal damping ratio over frequency (Hz, as times)", (0.0, 2.0)
+        "1", "modal damping ratio over frequency; `times` are frequencies in Hz", (0.0, 2.0)
     )
 
     def _errors(self) -> Errors:
@@ -327,7 +347,7 @@ class FlexibleShoes(Parameters):
         if self.modes is None:
             return
         if self.highest_frequency is not None:
-            yield "choose modes by number or by highest_frequency, not by both"
+            yield "modes and highest_frequency must not be given together"
         if self.modes[0] < 1 or self.modes[-1] > self.mode_count:
             yield f"modes must be in 1..{self.mode_count}, got {fields.shown(self.modes)}"
 
