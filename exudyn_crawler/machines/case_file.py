@@ -64,7 +64,9 @@ def check_size(case: Case, duration: float) -> None:
     stored = times * stored_numbers(case) * NUMBER
     if stored > GREATEST_HISTORY:
         size = f"{stored / 1e12:.3g} TB, allowed is 1 TB"
-        raise ValueError(f"duration: {duration:g} s leave {size}; solver.output_interval makes it less")
+        raise ValueError(
+            f"duration: {duration:g} s would store {size}; a longer solver.output_interval reduces it"
+        )
 
 
 def machine_memory() -> float:
@@ -86,24 +88,28 @@ def stored_numbers(case: Case) -> int:
 class Outputs(Parameters):
     """Outputs of a run beside its history, whose interval is `solver.output_interval`."""
 
-    figures: bool = option("whether curves of kinematics and forces are drawn", True)
-    pictures: bool = option("whether flexible shoes are drawn with their stress at the chosen times", True)
-    paraview: bool = option("whether their stress is written for ParaView, then and where highest", True)
-    figure_format: Literal["png", "pdf", "svg"] = option("of the figures; pictures of stress are png", "png")
-    tables: bool = option("whether extremes and loads are written as CSV", True)
-    animation: bool = option("whether the track is animated (mp4)", False)
-    forces: bool = option("whether forces derived from the history are written", True)
-    page: bool = option("whether all of it is put on one page, report.html", True)
+    figures: bool = option("figures of kinematics and forces over time", True)
+    pictures: bool = option("pictures of the stress of flexible shoes at `picture_times`", True)
+    paraview: bool = option("ParaView files of this stress, at `picture_times` and at its peak", True)
+    figure_format: Literal["png", "pdf", "svg"] = option(
+        "file format of the figures; pictures of stress are png", "png"
+    )
+    tables: bool = option("tables of extremes and loads (CSV)", True)
+    animation: bool = option("animation of the track (mp4)", False)
+    forces: bool = option("file of the forces derived from the history", True)
+    page: bool = option("one page with all results, report.html", True)
     picture_times: Rising[Time] | None = quantity(
         "s",
-        "of stress kept whole and drawn, beside its peak; none: ends of phases",
+        "times of stored and drawn stress fields, in addition to the peak; none: ends of phases",
         min_length=1,
         default=None,
     )
     ground_times: Rising[Time] = quantity(
-        "s", "times at which the map of ground of cells is kept and drawn, beside its end", default=()
+        "s", "times of stored and drawn maps of ground of cells, in addition to the end", default=()
     )
-    shoes: Rising[int] | None = option("that are drawn; none: five along the track", None, min_length=1)
+    shoes: Rising[int] | None = option(
+        "numbers of the drawn shoes; none: five along the track", None, min_length=1
+    )
 
     def drawn_shoes(self, shoe_count: int) -> tuple[int, ...]:
         """Return the shoes of a track to draw: the chosen ones, else up to five, ends included."""
@@ -124,7 +130,7 @@ class CaseFile(Parameters):
     duration: float = quantity("s", "simulated time", default=10.0, allow_inf_nan=True)
     outputs: Outputs = Outputs()
     datasheet: Datasheet | None = option(
-        "what the maker prints, of which all follows that the file does not say; none: no datasheet", None
+        "maker's figures, from which all values follow that the file does not state; none: no datasheet", None
     )
 
     def _errors(self) -> Errors:
@@ -135,7 +141,7 @@ class CaseFile(Parameters):
         for name in ("picture_times", "ground_times"):
             times = getattr(self.outputs, name)
             if times and times[-1] > self.duration:
-                yield f"outputs.{name} must lie in 0..{self.duration:g} s, got {fields.shown(list(times))}"
+                yield f"outputs.{name} must be in 0..{self.duration:g} s, got {fields.shown(list(times))}"
 
 
 def case_text(case_file: CaseFile, by_hand: bool = False) -> str:

@@ -121,7 +121,7 @@ def _whole_path(key: str, path: fields.KeyPath) -> fields.KeyPath:
         if choice.endswith(f".{names}") and not choice.startswith(f"{datasheets.KEY}.")
     ]
     if len(meant) > 1:
-        raise ValueError(f"{key}: which one is meant? {', '.join(meant)}")
+        raise ValueError(f"{key}: ambiguous key; give one of {', '.join(meant)}")
     if meant:
         return (*fields.parse_path(meant[0].removesuffix(f".{names}")), *path)
     if renamed := fields.renamed_keys(CaseFile).get(str(path[0])):
@@ -147,7 +147,9 @@ def _resolved(content: reading.Content, folder: Path, changes: Iterable[str] = (
     table = content.get("loads")
     if isinstance(table, dict) and CYCLE in table:
         if len(table) > 1 or not isinstance(table[CYCLE], str):
-            raise ValueError(f"loads.{CYCLE} must be the name of a load cycle and stand alone, got {table!r}")
+            raise ValueError(
+                f"loads.{CYCLE} must be the name of a load cycle, without other keys, got {table!r}"
+            )
         cycle = folder / content.pop("loads")[CYCLE]
     beside = {name: content.pop(name) for name in BESIDE if name in content}
     below: reading.Content | None = None

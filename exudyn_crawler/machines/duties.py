@@ -76,7 +76,7 @@ def _before_obstacle(case_file: CaseFile, name: str) -> Values:
 def _digging(case_file: CaseFile) -> Values:
     case = case_file.case
     if not isinstance(case.gear, Machine):
-        raise ValueError(f"digging must be that of a machine on two tracks, got gear.kind {case.gear.kind!r}")
+        raise ValueError(f"digging needs a machine on two tracks, got gear.kind {case.gear.kind!r}")
     digs = case.with_(machine=MachineCycle.digging(case.gear.car_body, case.terrain.down.tolist()))
     cycle = table_of(case_file.with_(case=digs), ("machine",))
     stands = {"speed": STANDS, "turn_rate": STANDS}

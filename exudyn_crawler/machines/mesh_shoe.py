@@ -27,7 +27,9 @@ def with_mesh_shoe(content: reading.Content, folder: Path) -> reading.Content:
             f"shoe.{KEY} must be one of {', '.join(SHOE_SIZES)} or a file, got {fields.shown(name)}"
         )
     if fields.BASE in shoe:
-        raise ValueError(f"shoe.{fields.BASE} must be left out beside shoe.{KEY}, of which the shoe follows")
+        raise ValueError(
+            f"shoe.{fields.BASE} must be left out beside shoe.{KEY}: the shoe follows from the mesh"
+        )
     of_mesh = shoe_of_mesh(name if name in SHOE_SIZES else str((folder / name).resolve()))
     chain = content.get("track", {})
     first = chain.get("first_com", Track.ph4100c().first_com)

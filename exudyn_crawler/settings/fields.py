@@ -69,11 +69,13 @@ def with_change(
     below = path[1:]
     if isinstance(part, int) or part == EVERY:
         if not isinstance(values, list | tuple):
-            raise ValueError(f"there is no list {path_text(above)} to change an item of")
+            raise ValueError(f"{path_text(above)} must be a list to change an item of it")
         items = list(values)
         for number in range(len(items)) if part == EVERY else [int(part)]:
             if number >= len(items):
-                raise ValueError(f"{path_text(above)} has {len(items)} items, counted from 0, no [{number}]")
+                raise ValueError(
+                    f"{path_text(above)} has {len(items)} items, counted from 0: there is no [{number}]"
+                )
             items[number] = with_change(items[number], below, change, above=(*above, number))
         return type(values)(items)
     table = dict(iter(values)) if isinstance(values, BaseModel) else values

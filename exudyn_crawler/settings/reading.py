@@ -53,7 +53,9 @@ def toml_content(path: Path, name: str) -> Content:
     Raises `FileNotFoundError` if there is no file, or `ValueError`, without the path, if it is not TOML.
     """
     if not path.is_file():
-        raise FileNotFoundError(f"{path} is a folder, no {name}" if path.is_dir() else f"no {name} {path}")
+        raise FileNotFoundError(
+            f"{path} is a folder, not a {name}" if path.is_dir() else f"there is no {name} {path}"
+        )
     # some editors write a byte order mark
     return content_of(path.read_bytes(), "utf-8-sig")
 

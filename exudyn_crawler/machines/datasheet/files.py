@@ -29,9 +29,11 @@ def with_machine(content: reading.Content) -> reading.Content:
     """Return the content over that of the library's machine that its datasheet names as `base`, if any."""
     table = content[KEY]
     if not isinstance(table, dict):
-        raise ParameterError(f"{KEY} must be a table with what its maker prints, got {fields.shown(table)}")
+        raise ParameterError(f"{KEY} must be a table of the maker's figures, got {fields.shown(table)}")
     if fields.BASE in content:
-        raise ParameterError(f"{fields.BASE} must be left out beside a {KEY}, from which all values follow")
+        raise ParameterError(
+            f"{fields.BASE} must be left out beside a {KEY}: all values follow from the {KEY}"
+        )
     content = with_own_mesh(content)
     table = content[KEY]
     if fields.BASE not in table:

@@ -28,8 +28,8 @@ class DatasheetError(ParameterError):
 class LiftPoint(Parameters):
     """Entry of a lift chart: a load at a radius."""
 
-    radius: base.Length = quantity("m", "of the load from the swing axis", (1.0, 60.0))
-    load: base.Mass = quantity("kg", "that the chart prints there, limited by tipping", (50.0, 1e6))
+    radius: base.Length = quantity("m", "radius of the load from the swing axis", (1.0, 60.0))
+    load: base.Mass = quantity("kg", "load of the chart at this radius, limited by tipping", (50.0, 1e6))
 
 
 class LiftChart(Parameters):
@@ -37,7 +37,7 @@ class LiftChart(Parameters):
 
     over: Literal["side", "front"] = option("direction of the boom: side, or front along the tracks", "side")
     tipping_share: float = quantity(
-        "1", "of the tipping load that is printed", (0.6, 0.9), gt=0, le=1, default=0.75
+        "1", "loads of the chart, fraction of the tipping load", (0.6, 0.9), gt=0, le=1, default=0.75
     )
     points: parameters.Several[LiftPoint]
 
@@ -54,127 +54,160 @@ class Datasheet(Parameters):
 
     listed_by: ClassVar[str] = "exudyn-crawler machine --keys"
 
-    kind: Kind = option("of machine, whose typical values it has", "excavator")
-    operating_weight: base.Mass = quantity("kg", "of the whole machine", (1e3, 2e6))
+    kind: Kind = option("kind of machine; it selects the typical values", "excavator")
+    operating_weight: base.Mass = quantity("kg", "operating weight of the whole machine", (1e3, 2e6))
     length_on_ground: base.Length | None = quantity(
         "m",
-        "between the axes of sprocket and idler, or of the outer road wheels",
+        "distance between the axes of sprocket and idler, or of the outer road wheels",
         (1.0, 15.0),
         default=None,
     )
     sprocket_to_idler: base.Length | None = quantity(
-        "m", "between their axes, where it is not the length on ground", (1.0, 15.0), default=None
+        "m",
+        "distance between the axes of sprocket and idler, if it is not the length on ground",
+        (1.0, 15.0),
+        default=None,
     )
     sprocket_height: base.Length | None = quantity(
-        "m", "of its axis above the ground; none: as low as the rollers let it", (0.1, 3.0), default=None
+        "m",
+        "height of the sprocket's axis above the ground; none: the least that the rollers allow",
+        (0.1, 3.0),
+        default=None,
     )
     idler_height: base.Length | None = quantity(
         "m",
-        "of the idler's axis above the ground; none: as low as the rollers let it",
+        "height of the idler's axis above the ground; none: the least that the rollers allow",
         (0.1, 3.0),
         default=None,
     )
     first_roller: base.Length | None = quantity(
         "m",
-        "from the sprocket's axis to that of the roller or road wheel next to it",
+        "distance from the sprocket's axis to that of the adjacent roller or road wheel",
         (0.1, 3.0),
         default=None,
     )
     roller_diameter: base.Length | None = quantity(
-        "m", "of the treads of lower rollers or road wheels", (0.06, 1.5), default=None
+        "m", "diameter of the treads of lower rollers or road wheels", (0.06, 1.5), default=None
     )
-    idler_diameter: base.Length | None = quantity("m", "of the idler's treads", (0.1, 2.5), default=None)
-    carrier_diameter: base.Length | None = quantity("m", "of the carriers' treads", (0.04, 1.0), default=None)
+    idler_diameter: base.Length | None = quantity(
+        "m", "diameter of the idler's treads", (0.1, 2.5), default=None
+    )
+    carrier_diameter: base.Length | None = quantity(
+        "m", "diameter of the carrier rollers' treads", (0.04, 1.0), default=None
+    )
     crawler_length: base.Length | None = quantity(
-        "m", "over the shoes of one crawler", (1.2, 20.0), default=None
+        "m", "length of one crawler over its shoes", (1.2, 20.0), default=None
     )
-    gauge: base.Length | None = quantity("m", "between the tracks' middles", (0.8, 15.0), default=None)
+    gauge: base.Length | None = quantity(
+        "m", "distance between the middles of both tracks", (0.8, 15.0), default=None
+    )
     width_over_shoes: base.Length | None = quantity(
-        "m", "over both crawlers, in place of the gauge", (1.2, 20.0), default=None
+        "m", "width over both crawlers, in place of the gauge", (1.2, 20.0), default=None
     )
-    shoe_width: base.Length = quantity("m", "of a shoe", (0.2, 4.0))
-    shoes: int | None = quantity("1", "shoes of one track", (25, 120), ge=10, le=500, default=None)
-    pitch: base.Length | None = quantity("m", "of the chain", (0.08, 1.0), default=None)
+    shoe_width: base.Length = quantity("m", "width of a shoe", (0.2, 4.0))
+    shoes: int | None = quantity("1", "number of shoes of one track", (25, 120), ge=10, le=500, default=None)
+    pitch: base.Length | None = quantity("m", "pitch of the chain", (0.08, 1.0), default=None)
     shoe_weight: base.Mass | None = quantity(
-        "kg", "of a shoe with its link, pin and bush", (2.0, 1e4), default=None
+        "kg", "mass of a shoe with its link, pin and bush", (2.0, 1e4), default=None
     )
     shoe_kind: Literal["single grouser", "double grouser", "triple grouser", "plain", "mining"] | None = (
-        option("of the ready shoe that the command `shoe` fits to it; none: as its kind has", None)
+        option(
+            "kind of the ready shoe that the command `shoe` fits to the machine; none: that of the kind "
+            "of machine",
+            None,
+        )
     )
     shoe_mesh: Annotated[str, AfterValidator(mesh_beside)] | None = option(
-        "mesh of its shoes, which have its mass, pins and rails; none: plate and links as boxes",
+        "mesh of the shoes, from which mass, pins and rails follow; none: plate and links as boxes",
         None,
     )
-    grouser_height: base.Extent | None = quantity("m", "of the grousers", (0.0, 0.15), default=None)
+    grouser_height: base.Extent | None = quantity("m", "height of the grousers", (0.0, 0.15), default=None)
     lower_rollers: int | None = quantity(
-        "1", "lower rollers of one track", (4, 20), ge=2, le=60, default=None
+        "1", "number of lower rollers of one track", (4, 20), ge=2, le=60, default=None
     )
     bogies: int = quantity(
         "1",
-        "bogies of one track, each with two of its lower rollers, from the front",
+        "number of bogies of one track, each with two of its lower rollers, from the front",
         (0, 6),
         ge=0,
         le=30,
         default=0,
     )
     suspension: Literal["rigid", "arms"] | None = option(
-        "of lower rollers or road wheels: fixed in the frame, or on sprung arms; none: as its kind has", None
+        "suspension of lower rollers or road wheels: rigid in the frame, or sprung arms; none: that "
+        "of the kind",
+        None,
     )
     arm_pivot: base.Two | None = quantity(
-        "m", "pivot of a road wheel's arm ahead of its axis and above it; behind it: negative", default=None
+        "m",
+        "distance of an arm's pivot ahead of its road wheel's axis, and above it; negative: behind",
+        default=None,
     )
-    arm_weight: base.Mass | None = quantity("kg", "of an arm with its road wheel", (10.0, 2e3), default=None)
+    arm_weight: base.Mass | None = quantity(
+        "kg", "mass of an arm with its road wheel", (10.0, 2e3), default=None
+    )
     torsion_bar: base.Stiffness | None = quantity(
-        "N m/rad", "of the spring of an arm", (1e3, 1e6), default=None
+        "N m/rad", "stiffness of the spring of an arm", (1e3, 1e6), default=None
     )
-    arm_damping: base.Damping | None = quantity("N m s/rad", "of an arm", (0.0, 1e5), default=None)
+    arm_damping: base.Damping | None = quantity(
+        "N m s/rad", "damping coefficient of an arm", (0.0, 1e5), default=None
+    )
     recoil_spring: bool | None = option(
-        "true where the idler gives way on a spring; none: as machines of its kind have it", None
+        "recoil spring behind the idler; none: as usual for the kind of machine", None
     )
     recoil_force: makers.Force | None = quantity(
-        "N", "of the recoil spring as it is installed", (1e4, 1e7), gt=0, le=1e10, default=None
+        "N", "force of the recoil spring as installed", (1e4, 1e7), gt=0, le=1e10, default=None
     )
     carrier_rollers: int | None = quantity(
-        "1", "carrier rollers of one track", (0, 8), ge=0, le=60, default=None
+        "1", "number of carrier rollers of one track", (0, 8), ge=0, le=60, default=None
     )
     sprocket_gaps: float | None = quantity(
         "1",
-        "shoes that a whole turn of the sprocket moves: half of its teeth where they mesh every other time",
+        "shoes that pass in one turn of the sprocket: its teeth, or half of them on a half-pitch sprocket",
         (9.0, 14.0),
         ge=LEAST_GAPS,
         le=GREATEST_GAPS,
         default=None,
     )
-    sprocket: Literal["rear", "front"] = option("end at which the sprocket is", "rear")
+    sprocket: Literal["rear", "front"] = option("end of the track with the sprocket", "rear")
     ground_pressure: makers.Pressure | None = quantity(
-        "Pa", "mean below both tracks, as printed", (1e4, 5e5), ge=1e3, le=1e7, default=None
+        "Pa", "mean ground pressure below both tracks, as printed", (1e4, 5e5), ge=1e3, le=1e7, default=None
     )
     contact_area: float | None = quantity(
-        "m2", "of both tracks on the ground, as printed", (0.3, 100.0), ge=0.01, le=1e4, default=None
+        "m2",
+        "contact area of both tracks with the ground, as printed",
+        (0.3, 100.0),
+        ge=0.01,
+        le=1e4,
+        default=None,
     )
     drawbar_pull: makers.Force | None = quantity(
-        "N", "greatest pull of both tracks", (1e3, 1e7), ge=1.0, le=1e9, default=None
+        "N", "greatest drawbar pull of both tracks", (1e3, 1e7), ge=1.0, le=1e9, default=None
     )
-    travel_speed: base.Speed | None = quantity("m/s", "greatest, on the level", (0.1, 20.0), default=None)
+    travel_speed: base.Speed | None = quantity(
+        "m/s", "greatest travel speed on level ground", (0.1, 20.0), default=None
+    )
     gradeability: makers.Slope | None = quantity(
-        "1", "steepest grade that it climbs, rise over run", (0.1, 1.0), gt=0, le=2, default=None
+        "1", "steepest grade that the machine climbs, rise over run", (0.1, 1.0), gt=0, le=2, default=None
     )
     power: float | None = quantity(
-        "W", "of the engine or of the travel drives", (1e4, 3e6), ge=1.0, le=1e9, default=None
+        "W", "power of the engine or of the travel drives", (1e4, 3e6), ge=1.0, le=1e9, default=None
     )
     motor_speed: float | None = quantity(
-        "rad/s", "greatest, of a travel motor", (20.0, 800.0), ge=0.1, le=1e4, default=None
+        "rad/s", "greatest speed of a travel motor", (20.0, 800.0), ge=0.1, le=1e4, default=None
     )
     motor_torque: float | None = quantity(
-        "N m", "greatest, of a travel motor", (10.0, 3e4), ge=0.1, le=1e7, default=None
+        "N m", "greatest torque of a travel motor", (10.0, 3e4), ge=0.1, le=1e7, default=None
     )
     gear_ratio: float | None = quantity(
         "1", "speed of the travel motor over that of the sprocket", (5.0, 500.0), ge=1.0, le=1e4, default=None
     )
-    ground_clearance: base.Length | None = quantity("m", "of the car body", (0.1, 3.0), default=None)
+    ground_clearance: base.Length | None = quantity(
+        "m", "clearance of the car body above the ground", (0.1, 3.0), default=None
+    )
     upper_weight: base.Mass | None = quantity(
         "kg",
-        "of the upper structure with its front, or of what is above the track frames",
+        "mass of the upper structure with its front, or of all parts above the track frames",
         (100.0, 1.5e6),
         default=None,
     )
@@ -182,44 +215,59 @@ class Datasheet(Parameters):
         "m", "COM of the upper structure with its front straight ahead", (-20.0, 20.0), default=None
     )
     com_ahead: base.Place | None = quantity(
-        "m", "COM of the whole machine ahead of the middle", (-3.0, 3.0), default=None
+        "m",
+        "distance of the whole machine's COM ahead of the middle of the length on ground",
+        (-3.0, 3.0),
+        default=None,
     )
     lift_chart: LiftChart | None = option(
-        "loads over radii, of which front and COM follow; none: no chart", None
+        "loads over radii, from which mass and COM of the front follow; none: no chart", None
     )
-    sag: base.Length | None = quantity("m", "of the upper run at rest, as its maker asks for", default=None)
+    sag: base.Length | None = quantity(
+        "m", "sag of the upper run at rest that the maker requires", default=None
+    )
     chain_tension: makers.Force | None = quantity(
-        "N", "of the chain at rest, in place of a sag", (1e3, 1e7), gt=0, le=1e10, default=None
+        "N", "tension of the chain at rest, in place of a sag", (1e3, 1e7), gt=0, le=1e10, default=None
     )
-    travel: Literal["straight", "backward", "on the spot"] = option("what a run does", "straight")
+    travel: Literal["straight", "backward", "on the spot"] = option(
+        "motion of the machine in a run", "straight"
+    )
     grade: makers.Slope = quantity(
-        "1", "of the ground of a run, uphill as it travels", (-0.3, 0.3), gt=-1, lt=1, default=0.0
+        "1",
+        "grade of the ground in a run, positive uphill in the direction of travel",
+        (-0.3, 0.3),
+        gt=-1,
+        lt=1,
+        default=0.0,
     )
     speed: base.Speed | None = quantity(
-        "m/s", "of the chains in a run; none: slow travel", (0.01, 5.0), default=None
+        "m/s", "speed of the chains in a run; none: slow travel", (0.01, 5.0), default=None
     )
-    source: str = option("where its values are printed", "")
+    source: str = option("source of the figures", "")
     began_as: str | None = option(
-        "machine of the library whose values the file began with; none: that of the same source, if any", None
+        "machine of the library whose values the file began with; none: the one with the same source, if any",
+        None,
     )
-    remembered: tuple[str, ...] = option("values of it that were not seen in a source: shown as assumed", ())
-    typical: Typical = option("typical values in place of those of the table", Typical())
+    remembered: tuple[str, ...] = option(
+        "names of figures that were not seen in a source; they are shown as assumed", ()
+    )
+    typical: Typical = option("typical values that replace those of the table", Typical())
 
     def _errors(self) -> Errors:
         if self.gauge is None and self.width_over_shoes is None:
-            yield "gauge must be given, or width_over_shoes, of which it is the rest less a shoe"
+            yield "gauge or width_over_shoes must be given"
         elif self.gauge is not None and self.width_over_shoes is not None:
             yield "gauge and width_over_shoes must not be given together"
         if self.track_gauge <= self.shoe_width:
             got = f"{self.track_gauge:g} m with shoes of {self.shoe_width:g} m"
-            yield f"gauge must be greater than the shoes' width, or both tracks are one, got {got}"
+            yield f"gauge must be greater than shoe_width, otherwise both tracks overlap, got {got}"
         free = self.sprocket_to_idler is not None
         needed = ("shoes", "pitch", "idler_diameter", "sprocket_gaps", "length_on_ground", "first_roller")
         if free and (missing := [name for name in needed if getattr(self, name) is None]):
-            yield f"{', '.join(missing)} must be given with sprocket_to_idler: all set the chain's path"
+            yield f"{', '.join(missing)} must be given with sprocket_to_idler, to determine the chain's path"
         motor = [name for name in ("motor_speed", "motor_torque") if getattr(self, name) is not None]
         if motor and self.gear_ratio is None:
-            yield f"gear_ratio must be given with {' and '.join(motor)}: the sprocket is behind it"
+            yield f"gear_ratio must be given with {' and '.join(motor)}, to get the torque of the sprocket"
         if self.suspension != "arms" and self.kind != "vehicle":
             arm = [
                 name
@@ -227,18 +275,18 @@ class Datasheet(Parameters):
                 if getattr(self, name)
             ]
             if arm:
-                yield f"{', '.join(arm)} must be left out, or suspension = 'arms' given"
+                yield f"{', '.join(arm)} must be left out, or suspension must be 'arms'"
         if self.arm_pivot is not None and self.arm_pivot[0] == 0.0:
             yield f"arm_pivot must be ahead of the wheel's axis or behind it, got {list(self.arm_pivot)}"
         if self.recoil_spring is False and self.recoil_force is not None:
-            yield "recoil_force must be left out where recoil_spring is false"
+            yield "recoil_force must be left out with recoil_spring = false"
         if self.sag is not None and self.chain_tension is not None:
-            yield "sag and chain_tension must not be given together: each is the tension at rest"
+            yield "sag and chain_tension must not be given together: each determines the tension at rest"
         no_figures = ("remembered", "typical", "source", "began_as")
         known = [name for name in type(self).model_fields if name not in no_figures]
         unknown = [name for name in self.remembered if name not in known]
         if unknown:
-            yield f"remembered must be names of the datasheet's values, got {fields.shown(unknown)}"
+            yield f"remembered must contain keys of the datasheet, got {fields.shown(unknown)}"
         on_track = (self.length_on_ground, self.crawler_length, self.contact_area, self.ground_pressure)
         if not any(on_track) and self.shoes is None:
             yield (

@@ -108,18 +108,18 @@ def sheet_of_mesh(sheet: Datasheet) -> Datasheet:
     of_mesh = shoe_of_mesh(sheet.shoe_mesh)
     if of_mesh.shoe.rails is None:
         raise DatasheetError(
-            f"shoe_mesh {sheet.shoe_mesh} must have two level rails that rollers roll on: its surface "
-            "'roller path'"
+            f"shoe_mesh {sheet.shoe_mesh} must have two level rails for the rollers, "
+            "in its surface 'roller path'"
         )
     if sheet.pitch is not None and abs(sheet.pitch - of_mesh.pitch) > SAME_PITCH:
         raise DatasheetError(
             f"pitch is {1e3 * sheet.pitch:.5g} mm, the bores of shoe_mesh {sheet.shoe_mesh} are "
-            f"{1e3 * of_mesh.pitch:.5g} mm apart: one of both is another machine's"
+            f"{1e3 * of_mesh.pitch:.5g} mm apart: one of them belongs to another machine"
         )
     if abs(of_mesh.shoe.width / sheet.shoe_width - 1.0) > SAME_WIDTH:
         raise DatasheetError(
             f"shoe_width is {1e3 * sheet.shoe_width:.4g} mm, shoe_mesh {sheet.shoe_mesh} is "
-            f"{1e3 * of_mesh.shoe.width:.4g} mm wide: one of both is another shoe's"
+            f"{1e3 * of_mesh.shoe.width:.4g} mm wide: one of them belongs to another shoe"
         )
     return sheet.with_(pitch=of_mesh.pitch, grouser_height=of_mesh.grouser)
 
@@ -128,7 +128,7 @@ def flexible_of(sheet: Datasheet, shoe: int) -> FlexibleShoes:
     """Return the flexible shoes of a datasheet's machine: only shoe number `shoe` if the file names none."""
     if sheet.shoe_mesh is None:
         raise DatasheetError(
-            "flexible shoes need shoe_mesh in the datasheet: exudyn-crawler shoe MACHINE.toml makes one"
+            "flexible shoes need shoe_mesh in the datasheet: exudyn-crawler shoe MACHINE.toml writes one"
         )
     from meshes import STEEL
 
