@@ -96,7 +96,7 @@ def _odd_payload(case: Case, settings: AssessmentSettings) -> Iterator[str]:
     if 0.0 < payload < LEAST_PAYLOAD * mass:
         whole = fields.quantity_text(mass, "kg")
         share = f"{payload:g} kg is {payload / mass:.2g} of the machine's {whole}"
-        yield f"work.payload: {share}; is it in t? It has to be in kg"
+        yield f"work.payload: {share}; is it in t? The unit is kg; a text may have another, such as '90 t'"
 
 
 def _forces(named: str | Path) -> tuple[str | None, run_forces.RunForces]:

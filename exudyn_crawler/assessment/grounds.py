@@ -36,5 +36,6 @@ def ground(name: str) -> NamedGround:
     """Return the ground of a name; raise a `ValueError` that lists the known names."""
     known = grounds()
     if name not in known:
-        raise ValueError(f"ground must be of {list(known)}, {did_you_mean(name, known)}got {name!r}")
+        hint = did_you_mean(name, known)
+        raise ValueError(f"ground must be one of {', '.join(known)}, {hint}got {name!r}")
     return known[name]

@@ -14,46 +14,50 @@ DriveState = Literal["none", "straight", "turn", "stall", "blocked"]
 class LoadGroup(Parameters):
     """Group of load cases with its factors."""
 
-    name: Name = option("of the group")
-    title: Name = option("in words")
-    strength: float = quantity("1", "factor on loads against yield strength", (1.0, 2.0), gt=0, le=10)
-    tipping: float = quantity("1", "stabilising over overturning moments, at least", (1.0, 2.0), ge=1, le=10)
+    name: Name = option("name of the group")
+    title: Name = option("title of the group in tables")
+    strength: float = quantity("1", "load factor against the yield strength", (1.0, 2.0), gt=0, le=10)
+    tipping: float = quantity(
+        "1", "least ratio of stabilising to overturning moment", (1.0, 2.0), ge=1, le=10
+    )
     mark: Literal["S", "R", "D", "given"] = option(
-        "S seen in the source, R remembered, D derived, given by the user", "given"
+        "source of the factors: S seen in the standard, R remembered, D derived, given by the user", "given"
     )
 
 
 class LoadCase(Parameters):
     """State of a machine with loads to compute."""
 
-    name: Name = option("of the load case")
-    group: Name = option("name of its group")
-    payload: bool = option("with the payload at its reach", False)
-    digging: bool = option("with the force of the bank", False)
-    grade: bool = option("on the permitted grade, uphill", False)
-    slope: bool = option("on the permitted side slope, each edge in turn downhill", False)
-    wind: bool = option("in the greatest wind, towards each edge in turn", False)
-    drive: DriveState = option("of both tracks", "none")
-    support: Support = option("what rollers bear", "even")
-    slew: Literal["all", "in line"] = option("angles of the upper structure: all, or ahead and astern", "all")
+    name: Name = option("name of the load case")
+    group: Name = option("name of the group of the load case")
+    payload: bool = option("payload at its reach", False)
+    digging: bool = option("force of the bank on the dipper", False)
+    grade: bool = option("permitted grade, uphill", False)
+    slope: bool = option("permitted side slope, downhill towards each edge in turn", False)
+    wind: bool = option("greatest wind, towards each edge in turn", False)
+    drive: DriveState = option("state of the drive of both tracks", "none")
+    support: Support = option("rollers that carry the machine", "even")
+    slew: Literal["all", "in line"] = option(
+        "slewing angles of the upper structure: all, or ahead and astern", "all"
+    )
 
 
 class LoadCases(Parameters):
     """Groups with their factors, and load cases."""
 
-    name: Name = option("of the standard, or of the set")
-    source: str = option("where factors and groups are from", "given by the user", max_length=1000)
-    groups: Several[LoadGroup] = option("with their factors")
-    cases: Several[LoadCase] = option("in the order of tables")
+    name: Name = option("name of the standard or of the set")
+    source: str = option("source of groups and factors", "given by the user", max_length=1000)
+    groups: Several[LoadGroup] = option("groups of load cases with their factors")
+    cases: Several[LoadCase] = option("load cases in the order of the tables")
 
     def _errors(self) -> Errors:
         known = [group.name for group in self.groups]
         for number, case in enumerate(self.cases):
             if case.group not in known:
-                yield f"cases[{number}].group must be of {known}, got {case.group!r}"
+                yield f"cases[{number}].group must be one of {', '.join(known)}, got {case.group!r}"
         names = [case.name for case in self.cases]
         if double := sorted({name for name in names if names.count(name) > 1}):
-            yield f"cases: names must differ, got {double} twice"
+            yield f"cases: names must differ, got {', '.join(double)} twice"
 
     def group_of(self, case: LoadCase) -> LoadGroup:
         """Return the group of a load case."""

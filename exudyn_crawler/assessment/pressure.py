@@ -178,7 +178,9 @@ def plate_pressure(
     """
     gauge, length, width = footprint
     if abs(ahead) >= 0.5 * length or abs(aside) >= 0.5 * (gauge + width):
-        raise ValueError(f"the machine tips: its weight acts at x = {ahead:.4g} m, y = {aside:.4g} m")
+        raise ValueError(
+            f"the machine tips: its weight acts beyond its tracks, at x = {ahead:.4g} m, y = {aside:.4g} m"
+        )
     along = length * ((np.arange(ALONG) + 0.5) / ALONG - 0.5)
     across = width * ((np.arange(ACROSS) + 0.5) / ACROSS - 0.5)
     y = np.concatenate((across - 0.5 * gauge, across + 0.5 * gauge))

@@ -81,7 +81,7 @@ def forces_of_run(history: History, name: str, begin: float | None = None) -> Ru
     """
     case = history.case
     if case.gear.kind != "machine":
-        raise ValueError(f"run must be of a machine on two tracks, got gear.kind {case.gear.kind!r}")
+        raise ValueError(f"the run must be one of a machine on two tracks, got gear.kind {case.gear.kind!r}")
     turn = case.drive.turn_rate
     turns = turn is not None and any(turn.values)
     profiles = [case.drive.speed] if turn is None else [case.drive.speed, turn]
@@ -205,7 +205,7 @@ def _number_of(loads: list[CaseLoads], run: RunForces, wanted: str | None) -> in
     names = [row.name for row in loads]
     if wanted is not None:
         if wanted not in names:
-            raise ValueError(f"load case of run {run.name} must be of {names}, got {wanted!r}")
+            raise ValueError(f"load case of run {run.name} must be one of {', '.join(names)}, got {wanted!r}")
         return names.index(wanted)
     support = "one" if run.uneven else "even"
     fits = [

@@ -112,7 +112,7 @@ def test_a_run_stands_for_the_load_case_that_is_named(aside):
     assert set(found.compared["load case"]) == {row.name for row in found.loads[:2]}
     with pytest.raises(ValueError, match="has the forces of run aside"):
         assessment_of(aside.case, BARE, runs=[("digs", run), ("digs", run)])
-    with pytest.raises(ValueError, match=r"must be of \[.*'digs'.*got 'dig'"):
+    with pytest.raises(ValueError, match=r"must be one of .*digs.*got 'dig'"):
         assessment_of(aside.case, BARE, runs=[("dig", run)])
     # with a payload none of the load cases stands without one
     loaded = BARE.with_(work={"payload": 9e4, "reach": 17.0})

@@ -415,7 +415,9 @@ def test_one_ground_gives_pressure_friction_and_cohesion():
     # a coefficient of traction that is given has the cohesion in it
     given = numbers_of(case, AssessmentSettings(ground={"friction": 0.5})).ground
     assert (given.friction, given.cohesion) == (0.5, 0.0)
-    with pytest.raises(ValueError, match=r"undrained_strength: is of clay, and name is 'dense sand'"):
+    with pytest.raises(
+        ValueError, match=r"undrained_strength must be left out for ground that is not clay, got 'dense sand'"
+    ):
         AssessmentSettings(ground={"name": "dense sand", "undrained_strength": 5e4})
 
 
