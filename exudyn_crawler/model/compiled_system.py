@@ -52,7 +52,7 @@ class CompiledSystem(track_system.TrackSystem):
         reduced = isinstance(contact.coordinates, terrain.TerrainModes)
         if not (reduced and isinstance(contact, PairGroundContact | CellGroundContact)):
             raise ValueError(
-                "the case needs contact.model 'pair' or 'cells' and terrain_formulation 'reduced'"
+                "the case must have contact.model 'pair' or 'cells' and terrain_formulation 'reduced'"
             )
         super().__init__(case, assembly)
         self.tables = assembly.tables

@@ -62,7 +62,7 @@ def check_fit(mesh: Mesh, name: str, shoe: Shoe, rails: Rails | None) -> None:
             outline = rail_outline(mesh)._asdict()
         except ValueError as error:
             raise ValueError(
-                f"flexible.mesh {name!r} does not go with the rails that wheels roll on: {error}"
+                f"flexible.mesh {name!r} cannot be used with wheels on its rails: {error}"
             ) from error
         wanted = [getattr(rails, key) for key in outline]
         compared.append(("rails of shoe.rails", list(outline), list(outline.values()), wanted))
@@ -73,7 +73,7 @@ def check_fit(mesh: Mesh, name: str, shoe: Shoe, rails: Rails | None) -> None:
             )
             raise ValueError(
                 f"the mesh {name!r} must have the {what} within {TOLERANCE} m, {must}; it has {has}. "
-                f"Shoe.from_mesh({name!r}) is a shoe as the mesh has it"
+                f"Shoe.from_mesh({name!r}) makes the shoe that matches the mesh"
             )
 
 

@@ -45,7 +45,7 @@ class TrackSystem(ABC):
 
         Forces are separate for all shoes of an open track, and for the flexible shoes of a closed one.
         """
-        raise NotImplementedError("the case needs a running gear")
+        raise NotImplementedError("gear.kind must be 'rolled', 'closed' or 'machine' here")
 
     @property
     def sticks(self) -> bool:

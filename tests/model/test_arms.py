@@ -170,7 +170,7 @@ def test_arms_of_two_tracks_are_bodies_in_the_order_of_their_names():
     ("changes", "words"),
     [
         ({"roller": 9}, r"gear.arms\[1\].roller must be in 1..7, got 9"),
-        ({"roller": 1}, r"gear.arms\[1\].roller must not be another's, gear.arms\[0\] has roller 1"),
+        ({"roller": 1}, r"gear.arms\[1\].roller must be free, gear.arms\[0\] has roller 1"),
         ({"pivot": (0.0, 0.1), "roller": 4}, r"gear.arms\[1\].pivot must be behind or ahead of its roller"),
     ],
 )

@@ -128,7 +128,7 @@ def test_forces_study_refuses_histories_of_the_other_model_which_are_saved_as_th
     path = general.save(tmp_path / "translation" / "history.nc")
     before = path.read_bytes()
     out = tmp_path / "forces"
-    with pytest.raises(ValueError, match=r"other parameters: contact\.model is spheres, not pair"):
+    with pytest.raises(ValueError, match=r"another case: contact\.model is spheres, not pair"):
         forces_study(out, ["translation"], duration=general.duration, reuse=tmp_path)
     assert path.read_bytes() == before
     again = History.load(path)

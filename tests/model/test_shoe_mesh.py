@@ -37,7 +37,7 @@ def linear():
 UNFIT = {
     "in mm": (
         changed(1e3 * MESH.nodes),
-        r"must be in m and no larger than 50 m, it is 3505 m long; is it in mm\?",
+        r"must be in m and no larger than 50 m, but it is 3505 m long; is it in mm\?",
     ),
     "wider": (
         changed(WIDER),

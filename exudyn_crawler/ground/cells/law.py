@@ -97,20 +97,21 @@ class CellLaw(terrain.SoilLaw):
     kernel: ClassVar[LawKernel]
     shear_deformation: float = parameters.quantity(
         "m",
-        "K: slip at which shear of its first stiffness reaches the strength; in soil 63 % is mobilized there",
+        "shear deformation K: slip at which shear of the initial stiffness reaches the strength; 63 %"
+        " is mobilized there in soil",
         plausible=(1e-5, 0.1),
         ge=1e-7,
         le=10,
     )
     shear_viscosity: float = parameters.quantity(
         "s",
-        "time by which ground that sticks resists slip more than its stiffness",
+        "shear viscosity over the shear stiffness of sticking ground",
         ge=0,
         le=10,
         default=2e-3,
     )
     damping: float = parameters.quantity(
-        "s/m", "share by which a sinkage of 1 m/s raises the pressure", ge=0, le=1e3, default=0.5
+        "s/m", "relative growth of the pressure with the sinkage rate", ge=0, le=1e3, default=0.5
     )
 
     def constants(self, width: float) -> tuple[float, ...]:

@@ -172,7 +172,7 @@ def test_steps_and_single_cells_of_a_file_are_smoothed_or_refused(tmp_path, alon
 @pytest.mark.parametrize(
     ("name", "text", "message"),
     [
-        ("a.asc", ASCII + "1 " * 19, "5 x 4 heights are announced, got 19"),
+        ("a.asc", ASCII + "1 " * 19, "5 x 4 heights are announced in its head, got 19"),
         ("a.asc", "ncols 5\n" + "1 " * 20, "its head has no nrows and no cellsize"),
         ("a.asc", ASCII + "0 0 0 0 0 " * 2 + "9 9 9 9 9 " * 2, "must not rise by more than 1 m a metre"),
         ("a.xyz", "", "its name must end with one of .asc, .npy, .nc, .tif, .tiff"),

@@ -58,10 +58,13 @@ def test_ruts_of_another_ground_are_refused_in_a_line_before_anything_is_written
     altered = tmp_path / "altered.nc"
     altered.write_bytes(path.read_bytes()[:1000])
     for changes, told in (
-        ({"contact.law": SOIL.with_(cohesion=2e3)}, "history.nc is of a ground with another law"),
-        ({"contact.law": RockFloor.hard_floor()}, "history.nc is of a ground with another law"),
-        ({"terrain.cell": 0.05}, "history.nc is of a ground with another cell"),
-        ({"terrain.relief": ridge, "terrain.cell": 0.05}, "is of a ground with another cell and relief"),
+        ({"contact.law": SOIL.with_(cohesion=2e3)}, "history.nc is the history of a ground with another law"),
+        ({"contact.law": RockFloor.hard_floor()}, "history.nc is the history of a ground with another law"),
+        ({"terrain.cell": 0.05}, "history.nc is the history of a ground with another cell"),
+        (
+            {"terrain.relief": ridge, "terrain.cell": 0.05},
+            "is the history of a ground with another cell and relief",
+        ),
         ({"terrain.ruts": altered}, "altered.nc has no ground of cells"),
         ({"terrain.ruts": tmp_path / "none.nc"}, "none.nc has no ground of cells"),
     ):

@@ -104,17 +104,21 @@ class BekkerSoil(CellLaw):
     """Soil by Bekker, Wong, Janosi and Hanamoto: it keeps ruts, and is stiffer when it is loaded again."""
 
     model: Literal["bekker"] = "bekker"
-    k_c: float = quantity("N/m^(exponent+1)", "cohesive modulus", plausible=(0.0, 1e6), ge=0, le=1e12)
-    k_phi: float = quantity("N/m^(exponent+2)", "frictional modulus", plausible=(1e4, 1e8), gt=0, le=1e15)
-    exponent: float = quantity("1", "n, of the sinkage", plausible=(0.3, 1.5), gt=0, lt=2)
+    k_c: float = quantity("N/m^(exponent+1)", "cohesive modulus k_c", plausible=(0.0, 1e6), ge=0, le=1e12)
+    k_phi: float = quantity(
+        "N/m^(exponent+2)", "frictional modulus k_phi", plausible=(1e4, 1e8), gt=0, le=1e15
+    )
+    exponent: float = quantity("1", "exponent n of the sinkage", plausible=(0.3, 1.5), gt=0, lt=2)
     reload_stiffness: float = quantity(
-        "Pa/m", "k_0, modulus of unloading and reloading", plausible=(0.0, 1e10), ge=0, le=1e15
+        "Pa/m", "modulus k_0 of unloading and reloading", plausible=(0.0, 1e10), ge=0, le=1e15
     )
     reload_growth: float = quantity(
-        "Pa/m2", "A_u, by which that grows with the sinkage", plausible=(0.0, 1e12), ge=0, le=1e18
+        "Pa/m2", "growth A_u of this modulus with the sinkage", plausible=(0.0, 1e12), ge=0, le=1e18
     )
-    cohesion: float = quantity("Pa", "c", plausible=(0.0, 1e5), ge=0, le=1e9)
-    friction_angle: float = quantity("deg", "phi, of internal friction", plausible=(5.0, 50.0), ge=0, lt=80)
+    cohesion: float = quantity("Pa", "cohesion c", plausible=(0.0, 1e5), ge=0, le=1e9)
+    friction_angle: float = quantity(
+        "deg", "angle phi of internal friction", plausible=(5.0, 50.0), ge=0, lt=80
+    )
     kernel: ClassVar[LawKernel] = LawKernel(Bekker, prepare, respond, fresh=0.0, forgets=False)
 
     @classmethod

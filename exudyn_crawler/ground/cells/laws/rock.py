@@ -51,8 +51,12 @@ class RockFloor(CellLaw):
     """Stiff floor: the pressure is ``stiffness depth**exponent``, loading and unloading alike."""
 
     model: Literal["rock"] = "rock"
-    stiffness: float = quantity("Pa/m^exponent", "of a unit area", plausible=(1e7, 1e11), ge=1e3, le=1e15)
-    exponent: float = quantity("1", "of the depth", plausible=(1.0, 2.0), ge=1, le=3, default=1.0)
+    stiffness: float = quantity(
+        "Pa/m^exponent", "contact stiffness of a unit area", plausible=(1e7, 1e11), ge=1e3, le=1e15
+    )
+    exponent: float = quantity(
+        "1", "exponent of the penetration", plausible=(1.0, 2.0), ge=1, le=3, default=1.0
+    )
     friction: float = quantity("1", "coefficient of friction", plausible=(0.05, 1.0), gt=0, le=10)
     kernel: ClassVar[LawKernel] = LawKernel(Rock, prepare, respond, fresh=1.0, forgets=True)
 
