@@ -228,7 +228,7 @@ def test_slips_that_are_missed_and_a_drive_that_would_stall_are_said():
     table = drawbar.drawbar_table(ridden)
     assert list(drawbar.remarks(ridden, table)) == []
     table[drawbar.HEADS["slip"]] = [1e-4, 0.0101, 0.065]
-    assert list(drawbar.remarks(ridden, table)) == ["slip: 10 % asked, 6.5 % measured"]
+    assert list(drawbar.remarks(ridden, table)) == ["slip: 10 % wanted, 6.5 % measured"]
     ridden = Ridden(case, duration, pull=200e3, torque=310e3)
     (stalls,) = drawbar.remarks(ridden, drawbar.drawbar_table(ridden))
     assert stalls.startswith("the drive stalls before a slip of 0 %, which takes 310 kN m of its 300 kN m")
@@ -241,9 +241,9 @@ def test_cases_without_a_drawbar_are_refused():
     posts = posts.with_(gear=posts.gear.with_(support="posts"))
     for other in (posts, Case.translation(), Case.rolled()):
         drive = other.drive.with_(slip=StepProfile.constant(0.1))
-        with pytest.raises(ValueError, match=r"drive\.slip must be none but for closed tracks on the ground"):
+        with pytest.raises(ValueError, match=r"drive\.slip must be none: only closed tracks on the ground"):
             other.with_(drive=drive)
-    with pytest.raises(ValueError, match=r"slip must lie within 0 and 1, got .*1\.1"):
+    with pytest.raises(ValueError, match=r"slip must be between 0 and 1, got .*1\.1"):
         Drive(speed=StepProfile.constant(0.0), slip=StepProfile.constant(1.1))
 
 
@@ -268,7 +268,7 @@ def test_an_answer_of_a_sweep_has_to_lie_among_the_slips():
     answer.check(file)
     assert (answer.label, answer.unit) == ("pull_at_slip_0.2", "N")
     answer, file = answered(slip=0.3)
-    with pytest.raises(ValueError, match=r"slip must be among those that are held, up to 0\.2, got 0\.3"):
+    with pytest.raises(ValueError, match=r"slip must be at most the greatest held slip, 0\.2, got 0\.3"):
         answer.check(file)
     with pytest.raises(ValueError, match=r"gradeability: drawbar needs a drive\.slip"):
         Drawbar(result="gradeability").check(CaseFile(case=closed_case(), duration=1.0))

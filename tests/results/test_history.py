@@ -57,12 +57,12 @@ def test_a_broken_file_is_no_history(translation, tmp_path):
     whole = path.read_bytes()
     for content in (b"", b"no netcdf at all", whole[: len(whole) // 2]):
         path.write_bytes(content)
-        with pytest.raises(ValueError, match=r"run\.nc does not hold a history"):
+        with pytest.raises(ValueError, match=r"run\.nc must hold a history"):
             History.load(path)
     # nor is one without a case, or without a valid one
     for dataset in (translation.dataset, translation.dataset.assign_attrs(case='{"name": "half"}')):
         dataset.to_netcdf(path, engine="h5netcdf")
-        with pytest.raises(ValueError, match=r"run\.nc does not hold a history"):
+        with pytest.raises(ValueError, match=r"run\.nc must hold a history"):
             History.load(path)
 
 

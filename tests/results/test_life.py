@@ -237,7 +237,7 @@ def test_runs_that_do_not_fit_are_refused(history, translation):
     ):
         with pytest.raises(ValueError, match=words):
             life_of(duty(run), [history])
-    with pytest.raises(ValueError, match=r"nodes must be of the surface, got \[100000000\]"):
+    with pytest.raises(ValueError, match=r"nodes must be on the surface, got \[100000000\]"):
         life_of(duty(one, nodes=(10**8,)), [history])
 
 

@@ -54,7 +54,7 @@ def test_columns_say_which_axis_link_or_wheel(rolled):
 @pytest.mark.parametrize(
     ("head", "words"),
     [
-        ("side_frame_displacement in m", "must say of which axis it is: x, y, z"),
+        ("side_frame_displacement in m", "must name its axis: x, y, z"),
         ("drive_pul in N", "the nearest is 'drive_pull'"),
         ("drive_pull in m", r"column 'drive_pull': unit must be one of N, got 'm'"),
         ("drive_pull x in N", "drive_pull has no 'x'"),
@@ -91,7 +91,9 @@ def test_heads_are_read_as_programs_write_them_or_told_how(rolled, pull, tmp_pat
         (beside,) = series.compare(rolled, path)
         assert beside.rms < 1e-6
     path.write_text("\n".join([",time,drive_pull", *rows]))
-    with pytest.raises(ValueError, match="column 'time': its head has no unit, such as 'time in s' or"):
+    with pytest.raises(
+        ValueError, match="column 'time': the unit is missing in its head, such as 'time in s' or"
+    ):
         series.compare(rolled, path)
 
 

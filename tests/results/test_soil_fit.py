@@ -93,7 +93,9 @@ def test_unloading_from_one_sinkage_gives_one_modulus():
 
 def test_what_tests_say_nothing_of_comes_from_a_base_or_is_refused():
     tests = plates(unloaded=False)
-    with pytest.raises(ValueError, match=r"nothing of .*reload_stiffness.*cohesion.*: name a base"):
+    with pytest.raises(
+        ValueError, match=r"do not determine .*reload_stiffness.*cohesion.*: give them by --base"
+    ):
         fit_soil(tests)
     base = soil_fit.named_soil("oil_sand_low")
     fit = fit_soil(tests, base=base)
@@ -203,14 +205,14 @@ def test_sand_of_one_box_predicts_that_of_another():
         ),
         (
             "sinkage,pressure in kPa,width in m\n1,2,3",
-            "column 'sinkage': its head has no unit, such as 'sinkage in m' or",
+            "column 'sinkage': the unit is missing in its head, such as 'sinkage in m' or",
         ),
         ("sinkage in mm,presure in kPa,width in m\n1,2,3", "got 'presure'; did you mean 'pressure'"),
         ("sinkage in mm,pressure in kPa\n1,2", "column 'width' .* or 'diameter'"),
         ("sinkage in mm,width in m\n1,2", "column 'pressure' or 'force'"),
         ("sinkage in mm,force in N,width in m\n1,2,3", "need a column 'length'"),
         ("sinkage in mm,force in N,diameter in m\n1,2,0", "greater than zero, got 0 m"),
-        ("sinkage in mm,sinkage in mm\n1,2", "must stand once"),
+        ("sinkage in mm,sinkage in mm\n1,2", "must occur once"),
         ("sinkage in mm\n", "must have a line of heads and rows"),
         ("test,sinkage in mm,force in N,diameter in m\na,1,2,0.1\na,1,2,0.2", "test 'a' must have one plate"),
     ],

@@ -213,7 +213,7 @@ def test_principal_stresses_belong_to_the_tensor(history):
         ({}, "near or node must be given"),
         ({"near": (0, 0)}, "near must be three finite numbers"),
         ({"near": (0, 0, np.nan)}, "near must be three finite numbers"),
-        ({"near": (250, -500, 60)}, r"near must be at the shoe, in m .*, 560\.5 m from the nearest"),
+        ({"near": (250, -500, 60)}, r"near must be a point of the shoe, in m .*, 560\.5 m from the nearest"),
         ({"node": 10**9}, "node must be in 0"),
         ({"node": -1}, "node must be in 0"),
     ],

@@ -47,14 +47,20 @@ class TreadForce(Parameters):
     """Downward force of a roller's tread on one of the rails."""
 
     side: Side = option("rail: left (+y) or right")
-    force: float = quantity("N", "downward", (1e3, 5e6), gt=0.0, le=1e10)
-    end: Literal["front", "rear"] | None = option("end of the rail that `x` counts from inward", default=None)
-    x: Place = quantity("m", "ahead of the rail's middle, or inward of its end", (-1.0, 1.0), default=0.0)
-    width: float | None = quantity(
-        "m", "width of the contact across the rail; none: all", gt=0, le=10, default=None
+    force: float = quantity("N", "downward force of a tread", (1e3, 5e6), gt=0.0, le=1e10)
+    end: Literal["front", "rear"] | None = option(
+        "end of the rail from which `x` is measured inward; none: from its middle", default=None
     )
-    across: Place = quantity("m", "from the rail's middle line outward", (-0.5, 0.5), default=0.0)
-    length: float = quantity("m", "length of the contact, less at an end", gt=1e-3, le=10, default=0.1)
+    x: Place = quantity(
+        "m", "distance ahead of the rail's middle, or inward of its end", (-1.0, 1.0), default=0.0
+    )
+    width: float | None = quantity(
+        "m", "width of the contact across the rail; none: the whole tread", gt=0, le=10, default=None
+    )
+    across: Place = quantity("m", "outward distance from the rail's middle line", (-0.5, 0.5), default=0.0)
+    length: float = quantity(
+        "m", "length of the contact along the rail; shorter at an end", gt=1e-3, le=10, default=0.1
+    )
 
 
 class Pressure(Parameters):
@@ -63,7 +69,7 @@ class Pressure(Parameters):
     facing: Facing = option("direction of the loaded faces")
     low: base.Three = quantity("m", "least x, y, z of the box", (-5.0, 5.0))
     high: base.Three = quantity("m", "greatest x, y, z of the box", (-5.0, 5.0))
-    round: bool = option("the disc, or ellipse, inside of the box's outline", default=False)
+    round: bool = option("load only on the disc or ellipse inside the box's outline", default=False)
     force: base.Vector = quantity("N", "total force", (-1e7, 1e7))
 
 
@@ -71,7 +77,7 @@ class PinForce(Parameters):
     """Force of a link pin at one joint centre."""
 
     pin: Pin = option("joint centre")
-    force: base.Vector = quantity("N", "of the pin on the shoe", (-1e7, 1e7))
+    force: base.Vector = quantity("N", "force of the pin on the shoe", (-1e7, 1e7))
 
 
 class GroundPart(Parameters):
@@ -79,10 +85,10 @@ class GroundPart(Parameters):
 
     low: Two = quantity("m", "least x and y", (-5.0, 5.0))
     high: Two = quantity("m", "greatest x and y", (-5.0, 5.0))
-    round: bool = option("a disc, or ellipse, inside of the rectangle", default=False)
-    height: Place = quantity("m", "above the ground beside it", (-0.5, 0.5), default=0.0)
+    round: bool = option("only the disc or ellipse inside the rectangle", default=False)
+    height: Place = quantity("m", "height above the surrounding ground", (-0.5, 0.5), default=0.0)
     stiffness: float = quantity(
-        "N/m3", "pressure over depth; 0: a hole", PLAUSIBLE_GROUND, ge=0, le=1e14, default=SAND
+        "N/m3", "ground pressure over depth; 0: a hole", PLAUSIBLE_GROUND, ge=0, le=1e14, default=SAND
     )
 
 
@@ -90,9 +96,9 @@ class OneSidedGround(Parameters):
     """Ground of one-sided springs below the underside."""
 
     stiffness: float = quantity(
-        "N/m3", "pressure over depth; 0: a hole", PLAUSIBLE_GROUND, ge=0, le=1e14, default=SAND
+        "N/m3", "ground pressure over depth; 0: a hole", PLAUSIBLE_GROUND, ge=0, le=1e14, default=SAND
     )
-    parts: tuple[GroundPart, ...] = option("parts of different ground", default=())
+    parts: tuple[GroundPart, ...] = option("areas of different ground", default=())
 
 
 class CheckCase(Parameters):
@@ -104,7 +110,8 @@ class CheckCase(Parameters):
     pins: tuple[PinForce, ...] = option("forces of link pins", default=())
     energy: float | None = quantity(
         "J",
-        "energy of a blow by the pressures; their forces grow until shoe and ground store it; none: as given",
+        "energy of a blow by the pressures, whose forces grow until shoe and ground have stored it; "
+        "none: forces as given",
         gt=0,
         le=1e9,
         default=None,
@@ -112,23 +119,27 @@ class CheckCase(Parameters):
     held_by: tuple[Name, ...] = option(
         "pins and axes, such as 'rear left x', that balance the loads by their least forces", default=()
     )
-    ground: OneSidedGround | None = option("ground below the shoe; none: it hangs in its pins", default=None)
+    ground: OneSidedGround | None = option(
+        "ground below the shoe; none: the shoe hangs from its pins", default=None
+    )
     hand_moment: base.Component | None = quantity(
-        "N m", "bending moment at y = 0 by hand, positive with the underside in tension", default=None
+        "N m",
+        "bending moment at y = 0 by hand calculation, positive with the underside in tension",
+        default=None,
     )
 
     def _errors(self) -> parameters.Errors:
         if not (self.treads or self.pressures or self.pins):
-            yield "treads, pressures or pins must be given: nothing loads the shoe"
+            yield "treads, pressures or pins must be given: the shoe has no load"
         lacking = self.ground is None or not self.pressures or not self.treads or self.held_by
         if self.energy is not None and lacking:
-            yield "energy needs treads, pressures and ground, and no pins that hold"
+            yield "energy must be given with treads, pressures and ground, and without held_by"
 
 
 class RollerForce(Parameters):
     """Level of the force on a rail for the ready cases."""
 
-    name: Name = option("name of the level")
+    name: Name = option("name of the force level")
     force: float = quantity("N", "force on each rail", (1e4, 5e6), gt=0.0, le=1e10)
 
 
@@ -142,18 +153,18 @@ class ShoeCheck(Parameters):
     """Shoe, its material, and its checks."""
 
     name: Name = option("name of the check", default="shoe")
-    mesh: str = option("coarse, study or fine, or a mesh's file", default="study", min_length=1)
+    mesh: str = option("mesh: coarse, study or fine, or the path of a file", default="study", min_length=1)
     dimensions: dict[str, float] = option(
-        "changed values of `meshes.ShoeDimensions`; netgen meshes such a shoe with the fineness of `mesh`",
+        "changed values of `meshes.ShoeDimensions`; netgen makes a mesh as fine as `mesh`",
         default={},
     )
     material: FatigueMaterial = option(
         "material with its cyclic strength", default=FatigueMaterial.cast_nicrmo()
     )
-    track: Track | None = option("chain with the pins that hold it; none: the papers'", default=None)
+    track: Track | None = option("chain whose pins hold the shoe; none: the papers'", default=None)
     machine: float = quantity(
         "1",
-        "pulls and strikes of its machine over those of the papers'",
+        "scale of pulls and blows: those of the machine over those of the papers'",
         (0.001, 3.0),
         gt=0,
         le=1e3,
@@ -161,13 +172,15 @@ class ShoeCheck(Parameters):
     )
     spider: Literal["averaging", "rigid"] = option("coupling of pins and bores", default="averaging")
     roller_radius: base.Length = quantity(
-        "m", "radius of the treads", (0.05, 1.5), default=ph4100c.ROLLER_RADIUS
+        "m", "radius of the rollers' treads", (0.05, 1.5), default=ph4100c.ROLLER_RADIUS
     )
     tread_width: base.Length = quantity(
         "m", "width of a tread in full contact", (0.02, 1.0), default=ph4100c.TREAD_WIDTH
     )
-    hours: float = quantity("h", "machine hours without a crack", (0.1, 1e6), gt=0, le=1e9, default=25_000.0)
-    levels: tuple[RollerForce, ...] = option("force levels of the ready cases; () for none", default=LEVELS)
+    hours: float = quantity(
+        "h", "required machine hours without a crack", (0.1, 1e6), gt=0, le=1e9, default=25_000.0
+    )
+    levels: tuple[RollerForce, ...] = option("force levels of the ready cases; (): none", default=LEVELS)
     cases: tuple[CheckCase, ...] = option("further cases", default=())
 
     def _errors(self) -> parameters.Errors:
@@ -202,7 +215,9 @@ def read_check(path: str | Path) -> ShoeCheck:
     if content.keys() & OF_CASES:
         case = read_case(path).case
         if case.flexible is None:
-            raise ValueError(f"{path}: flexible must be given, whose mesh is checked; or check a mesh itself")
+            raise ValueError(
+                f"{path}: [flexible] must be given, since its mesh is checked; or check the file of a mesh"
+            )
         return check_of(case)
     if content.keys() & OF_DUTIES:
         raise ValueError(f"{path} is a duty, for the command life; a check has mesh, levels and cases")

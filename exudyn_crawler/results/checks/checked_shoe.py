@@ -86,7 +86,7 @@ class CheckedShoe:
         rails = self.outline.rails
         half = 0.5 * tread.length
         if rails is None:
-            raise ValueError("a tread must press on a rail, the shoe has none")
+            raise ValueError("treads must be left out: the shoe has no rails")
         if "rail" not in self._points:
             self._points["rail"] = supports.surface_points(self.mesh, self.mesh.surface("rails"), RAIL_POINTS)
         points = self._points["rail"]
@@ -113,7 +113,9 @@ class CheckedShoe:
         along = NORMALS[load.facing][0]
         chosen = inside(points.positions, load, [axis for axis in range(3) if axis != along])
         if not chosen.any():
-            raise ValueError(f"no face looks {load.facing} between {load.low} and {load.high} m")
+            raise ValueError(
+                f"pressures: no face is directed {load.facing} between {load.low} and {load.high} m"
+            )
         return points.chosen(np.flatnonzero(chosen)).spread(np.array(load.force))
 
     def loads(self, case: ready.CheckCase) -> np.ndarray:
@@ -128,7 +130,7 @@ class CheckedShoe:
         joints = [interface.name for interface in self.partition.interfaces]
         known = {f"{name} {axis}": 6 * k + i for k, name in enumerate(joints) for i, axis in enumerate("xyz")}
         if unknown := [place for place in case.held_by if place not in known]:
-            raise ValueError(f"held_by must be of {list(known)}, got {unknown}")
+            raise ValueError(f"held_by must be among {', '.join(known)}, got {', '.join(unknown)}")
         for pin in case.pins:
             centers[[known[f"{pin.pin} {axis}"] for axis in "xyz"]] += pin.force
         size = np.abs(forces).sum() + np.abs(centers).sum()
@@ -140,8 +142,8 @@ class CheckedShoe:
         left = self.resultant(loads)
         if np.abs(left[rows]).max() > BALANCE * size or size == 0.0:
             raise ValueError(
-                f"loads must be in balance but for what ground carries, got forces "
-                f"{left[:3].round(1).tolist()} N and moments {left[3:].round(1).tolist()} N m left"
+                f"without ground the loads must be in balance, got forces "
+                f"{left[:3].round(1).tolist()} N and moments {left[3:].round(1).tolist()} N m that remain"
             )
         return loads
 

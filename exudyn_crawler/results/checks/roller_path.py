@@ -205,7 +205,7 @@ def _passes(history: History, gear: RunningGear) -> pd.DataFrame:
         done += part.sizes["time"]
     whole = pd.concat(tables, ignore_index=True)
     if whole.empty:
-        raise ValueError("a tread must press on a shoe at a stored instant, none does")
+        raise ValueError("a tread must press on a shoe at a stored time, but none does")
     bent = whole["shoe"].isin(() if case.flexible is None else case.flexible.shoes)
     whole = whole[bent] if bent.any() else whole
     return whole.loc[whole.groupby(keys)[INTENSITY].idxmax()].reset_index(drop=True)

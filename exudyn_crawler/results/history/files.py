@@ -51,7 +51,7 @@ def reading_history(path: Path) -> Iterator[None]:
         reason = (
             "; ".join(error.errors) if isinstance(error, errors.ParameterError) else str(error) or repr(error)
         )
-        raise ValueError(f"{path} does not hold a history: {' '.join(reason.split())}") from error
+        raise ValueError(f"{path} must hold a history: {' '.join(reason.split())}") from error
 
 
 @interrupts_wait()

@@ -36,7 +36,9 @@ HARDNESS = 3.2  # tensile strength of steel over its Vickers hardness, MPa
 class Casting(Parameters):
     """Properties of the casting in a region of a shoe."""
 
-    region: Literal["all"] | Region = option("region of the shoe; all: those without a table", default="all")
+    region: Literal["all"] | Region = option(
+        "region of the shoe; all: every region without its own table", default="all"
+    )
     residual_stress: float = quantity(
         "Pa",
         "residual stress, added to the mean of every cycle; tension positive",
@@ -56,18 +58,30 @@ class FatigueMaterial(Parameters):
     name: Name = option("name of the material")
     source: str = option("source of the values, and assumptions", "", max_length=1000)
     tensile_strength: float = quantity(
-        "Pa", "R_m, of the standard or of a specimen", plausible=(2e8, 2.5e9), ge=1e7, le=1e10
+        "Pa", "tensile strength R_m, from the standard or a specimen", plausible=(2e8, 2.5e9), ge=1e7, le=1e10
     )
-    yield_strength: float = quantity("Pa", "R_e or R_p0.2", plausible=(1e8, 2e9), ge=1e7, le=1e10)
+    yield_strength: float = quantity(
+        "Pa", "yield strength R_e or R_p0.2", plausible=(1e8, 2e9), ge=1e7, le=1e10
+    )
     fkm_class: FKMClass = option("material class of the FKM guideline, for its constants")
     size_factor: float = quantity(
         "1", "strength in the part over the specimen's (FKM: K_d K_A)", (0.6, 1.0), gt=0.1, le=1, default=1.0
     )
     roughness: float = quantity(
-        "m", "R_z; 2e-4: skin of casting, rolling (FKM 4.3.1.4)", (1e-6, 5e-4), ge=1e-6, le=1e-2, default=2e-4
+        "m",
+        "surface roughness R_z; 2e-4: skin of casting or rolling (FKM 4.3.1.4)",
+        (1e-6, 5e-4),
+        ge=1e-6,
+        le=1e-2,
+        default=2e-4,
     )
     stress_gradient: float = quantity(
-        "1/m", "related, at notches (FKM 4.3.1.3.1, Stieler); 0: none", (0.0, 2e3), ge=0, le=1e5, default=0.0
+        "1/m",
+        "related stress gradient at notches (FKM 4.3.1.3.1, Stieler); 0: no support effect",
+        (0.0, 2e3),
+        ge=0,
+        le=1e5,
+        default=0.0,
     )
     casting_factor: float = quantity(
         "1",
@@ -78,24 +92,43 @@ class FatigueMaterial(Parameters):
         default=1.0,
     )
     slope: float = quantity(
-        "1", "k of the S-N curve (FKM: 5 for normal stress)", (3.0, 15.0), ge=1, le=50, default=5.0
+        "1", "slope k of the S-N curve (FKM: 5 for normal stress)", (3.0, 15.0), ge=1, le=50, default=5.0
     )
-    knee: float = quantity("1", "cycles at its knee (FKM: 1e6)", (1e5, 1e7), ge=1e3, le=1e10, default=1e6)
+    knee: float = quantity(
+        "1",
+        "number of cycles at the knee of the S-N curve (FKM: 1e6)",
+        (1e5, 1e7),
+        ge=1e3,
+        le=1e10,
+        default=1e6,
+    )
     scatter: float = quantity(
-        "1", "strength that 10 % survive over that of 90 %", (1.0, 2.0), ge=1, le=10, default=1.25
+        "1", "scatter: strength with 10 % survival over that with 90 %", (1.0, 2.0), ge=1, le=10, default=1.25
     )
-    survival: float = quantity("1", "part that survives the strength (FKM: 0.975)", gt=0, lt=1, default=0.975)
+    survival: float = quantity(
+        "1", "probability of survival of the strength (FKM: 0.975)", gt=0, lt=1, default=0.975
+    )
     fatigue_strength: float | None = quantity(
-        "Pa", "amplitude at the knee, R = -1, polished; none: FKM", (5e7, 1e9), ge=1e6, le=1e10, default=None
+        "Pa",
+        "stress amplitude at the knee for R = -1, polished; none: by the FKM guideline",
+        (5e7, 1e9),
+        ge=1e6,
+        le=1e10,
+        default=None,
     )
     mean_sensitivity: float | None = quantity(
-        "1", "M of mean stresses; none: FKM 4.4.2.1.2", plausible=(0.0, 0.8), ge=0, lt=1, default=None
+        "1",
+        "mean stress sensitivity M; none: by FKM 4.4.2.1.2",
+        plausible=(0.0, 0.8),
+        ge=0,
+        lt=1,
+        default=None,
     )
     hardness: float | None = quantity(
-        "1", "Vickers, HV; none: R_m / 3.2 MPa (ISO 18265)", (100, 700), ge=50, le=2000, default=None
+        "1", "Vickers hardness HV; none: R_m / 3.2 MPa (ISO 18265)", (100, 700), ge=50, le=2000, default=None
     )
     crack_size: float = quantity(
-        "m", "sqrt(area) at which a growing defect counts as a crack", gt=1e-3, le=0.5, default=0.06
+        "m", "size sqrt(area) from which a growing defect counts as a crack", gt=1e-3, le=0.5, default=0.06
     )
     castings: tuple[Casting, ...] = option("defects and residual stress by region", default=())
 
@@ -237,12 +270,14 @@ class Often(Parameters):
     """Part of a run and its frequency: repetitions in a machine hour, or a share of the machine hours."""
 
     begin: float = quantity("s", "time in the run at which the repeated part begins", ge=0, default=0.0)
-    end: float | None = quantity("s", "time at which it ends; none: the run's end", gt=0, default=None)
+    end: float | None = quantity(
+        "s", "time in the run at which the repeated part ends; none: the run's end", gt=0, default=None
+    )
     an_hour: float | None = quantity(
-        "1/h", "repetitions in a machine hour; or give its share", gt=0, le=1e6, default=None
+        "1/h", "repetitions in a machine hour; alternative: `share`", gt=0, le=1e6, default=None
     )
     share: float | None = quantity(
-        "1", "fraction of the machine hours; or give its repetitions an hour", gt=0, le=1, default=None
+        "1", "fraction of the machine hours; alternative: `an_hour`", gt=0, le=1, default=None
     )
 
 
@@ -251,7 +286,7 @@ class DutyStage(Parameters):
 
     name: Name = option("name of the stage")
     hours: float = quantity("h", "machine hours of the stage; the last one goes on", (0.1, 1e6), gt=0, le=1e9)
-    check: str | None = option("check file, or mesh, of its shoes; none: that of the duty", None)
+    check: str | None = option("check file or mesh of the shoes in this stage; none: that of the duty", None)
 
 
 class DutyCase(Parameters):
@@ -262,15 +297,15 @@ class DutyCase(Parameters):
     after: Name = option("check case from which the shoe comes and to which it returns", UNLOADED)
     an_hour: float = quantity("1/h", "repetitions on a shoe in a machine hour", gt=0, le=1e6)
     load: float = quantity("1", "factor of the stress in both cases", (0.2, 5.0), gt=0, le=100, default=1.0)
-    stage: Name | None = option("stage in which it happens; none: in all", None)
+    stage: Name | None = option("stage of wear in which the event happens; none: all stages", None)
 
 
 class DutyRun(Often):
     """Run, or part of one, that repeats in a shovel's hours."""
 
     name: Name = option("name of the run in tables")
-    stage: Name | None = option("stage in which it happens; none: in all", None)
-    folder: str = option("folder of the run; in a file relative to the file's folder", min_length=1)
+    stage: Name | None = option("stage of wear to which the run belongs; none: all stages", None)
+    folder: str = option("folder of the run, relative to the duty file's folder", min_length=1)
 
     def _errors(self) -> Errors:
         if (self.an_hour is None) == (self.share is None):
@@ -304,11 +339,11 @@ class Duty(DamageOptions):
 
     name: Name = option("name of the duty", "duty")
     runs: tuple[DutyRun, ...] = option("runs with flexible shoes", ())
-    cases: tuple[DutyCase, ...] = option("static cases, each a cycle", ())
-    check: str = option("check file of the shoes, or a mesh, with these check cases", "study")
+    cases: tuple[DutyCase, ...] = option("static cases, one cycle each", ())
+    check: str = option("check file or mesh of the shoes, with their check cases", "study")
     stages: tuple[DutyStage, ...] = option("stages of wear, in order from new shoes on; none: no wear", ())
     survivals: tuple[Survival, ...] = option(
-        "fractions of the shoes that survive the shown lives", (0.5, 0.9, 0.975), min_length=1
+        "probabilities of survival of the shown lives", (0.5, 0.9, 0.975), min_length=1
     )
     plane_nodes: int = quantity(
         "1", "number of worst nodes with a search for the critical plane", ge=0, le=100_000, default=100
@@ -318,8 +353,8 @@ class Duty(DamageOptions):
     )
     changes_an_hour: float | None = quantity(
         "1/h",
-        "greatest number of changes of a shoe from one run or case to another and back in an hour; none: as "
-        "often as the rarer of both happens",
+        "greatest number of changes of a shoe between two runs or cases in an hour; none: the lower "
+        "of both rates",
         ge=0,
         le=1e6,
         default=None,

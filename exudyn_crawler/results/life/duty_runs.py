@@ -124,7 +124,9 @@ def _check_shoes(runs: Sequence[DutyRun], parts: Sequence[History]) -> None:
     first: dict[str, object] = {}
     for run, case in ((run, part.case) for run, part in zip(runs, parts, strict=True)):
         if (shoes := case.flexible) is None:
-            raise ValueError(f"run {run.name!r} must have flexible shoes: name some in its case, [flexible]")
+            raise ValueError(
+                f"run {run.name!r} must have flexible shoes: give their numbers as flexible.shoes of its case"
+            )
         body, _ = shoe_model(shoes, case.track)
         traits = {name: getattr(shoes, name) for name in ("shoes", "youngs_modulus", "poissons_ratio")}
         traits |= {"mesh": body.mesh.digest[:12]}

@@ -113,7 +113,7 @@ def life_of(
     surface = basis.shapes.mesh.surface_nodes
     history = basis.history
     if inside := sorted(set(duty.nodes) - set(surface.tolist())):
-        raise ValueError(f"nodes must be of the surface, got {inside[:5]}")
+        raise ValueError(f"nodes must be on the surface, got {inside[:5]}")
     regions = hot_spots.shoe_regions(whole, Track.ph4100c() if history is None else history.case.track)
     groups = _groups(duty, regions, surface)
     at_places = []
@@ -230,7 +230,7 @@ def life_of_stages(duty: Duty, stages: Sequence[LifeResults]) -> LifeResults:
     """
     last = stages[-1]
     if any(stage.dataset.shoe.values.tolist() != last.dataset.shoe.values.tolist() for stage in stages):
-        raise ValueError("all stages must have flexible shoes at the same places in the track")
+        raise ValueError("all stages must have flexible shoes at the same positions in the track")
     nearest = [nearest_nodes(stage, last) for stage in stages]
     each = [stage.dataset.isel(node=k) for stage, k in zip(stages, nearest, strict=True)]
     damage = np.stack([data.damage_an_hour.values for data in each])

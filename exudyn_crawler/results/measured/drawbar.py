@@ -73,7 +73,7 @@ def pulled_case(case_file: CaseFile, test: DrawbarTest) -> CaseFile:
     track = even_track(case)
     speed = float(case.drive.speed.values[-1])
     if speed == 0.0:
-        raise ValueError("drive.speed must not end at zero in a drawbar test, whose chains travel")
+        raise ValueError("drive.speed must not end at zero in a drawbar test: its chains travel")
     slips = np.array(test.slips, dtype=float)
     if not len(slips) or slips.min() <= 0.0 or slips.max() >= 1.0 or np.any(np.diff(slips) <= 0.0):
         raise ValueError(f"slips must increase between 0 and 1, got {list(test.slips)}")
@@ -119,7 +119,7 @@ def drawbar_table(history: History) -> pd.DataFrame:
     case = history.case
     track = even_track(case)
     if case.drive.slip is None:
-        raise ValueError(f"case {case.name!r} must have a drive.slip, as drawbar makes it")
+        raise ValueError(f"case {case.name!r} must have a drive.slip, as the command drawbar sets it")
     time = history.time.values
     gear: Any = case.gear
     sense = math.copysign(1.0, case.drive.speed.values[-1])
@@ -166,7 +166,7 @@ def remarks(history: History, table: pd.DataFrame) -> Iterator[str]:
     """Yield remarks on a test's table: slips that were not met, and a drive that would stall."""
     for asked, slip in zip(table[HEADS["asked"]], table[HEADS["slip"]], strict=True):
         if asked > 0.0 and abs(slip - asked) > MISSED * asked:
-            yield f"slip: {100.0 * asked:.4g} % asked, {100.0 * slip:.4g} % measured"
+            yield f"slip: {100.0 * asked:.4g} % wanted, {100.0 * slip:.4g} % measured"
     gear: Any = history.case.gear
     if gear.torque_limit is None:
         return

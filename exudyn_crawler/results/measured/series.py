@@ -76,7 +76,7 @@ def chosen(history: History, head: str) -> xr.DataArray:
     name, _, rest = head.partition(" ")
     values = history.over_time([name])[name]
     if "time" not in values.dims:
-        raise ValueError(f"{name} is not over time")
+        raise ValueError(f"{name} must be a quantity over time")
     rest = f" {rest.strip()} "
     dimensions = [dimension for dimension in values.dims if dimension != "time"]
     # names first, since numbers may be part of names
@@ -85,9 +85,7 @@ def chosen(history: History, head: str) -> xr.DataArray:
         named = next((label for label in sorted(labels, key=len, reverse=True) if f" {label} " in rest), None)
         if named is None:
             some = ", ".join([*labels][:4])
-            raise ValueError(
-                f"{head!r} must say of which {dimension} it is: {some}{', ...' * (len(labels) > 4)}"
-            )
+            raise ValueError(f"{head!r} must name its {dimension}: {some}{', ...' * (len(labels) > 4)}")
         values = values.sel({dimension: labels[named]})
         rest = rest.replace(f" {named} ", " ", 1)
     if rest.strip():
@@ -117,7 +115,7 @@ def compare(history: History, path: Path, shift: float = 0.0) -> list[Compared]:
     place = _factor(path, over, unit, OVER[over]) * numbers[0] + shift
     run_place = history.time.values if over == "time" else distance_of(history)
     if np.any(np.diff(run_place) < -1e-6 * np.ptp(run_place)):
-        raise ValueError(f"{path} must be over time: the run goes back and forth")
+        raise ValueError(f"{path} must be a series over time, since the run goes back and forth")
     inside = (place >= run_place[0]) & (place <= run_place[-1])
     compared = []
     for (head, unit), measured in zip(names[1:], numbers[1:], strict=True):

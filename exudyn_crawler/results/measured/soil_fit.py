@@ -190,7 +190,7 @@ def fit_unloading(loops: Sequence[Loop]) -> tuple[PartFit, list[str]]:
         remarks.append(f"{name} would be negative ({low:.4g} to {high:.4g}): 0 is taken, as the law allows")
         result = solved([other for other in slopes if other != name]) if len(slopes) > 1 else result
         if result.value.min() < 0.0:
-            raise ValueError("the pressure must fall while a plate is unloaded, it rises")
+            raise ValueError("the pressure must fall while a plate is unloaded, but it rises")
     return result, remarks
 
 
@@ -223,7 +223,7 @@ def fit_shear(tests: ShearTests) -> tuple[PartFit, list[str]]:
         return fit(Problem(residuals, outputs, names), tests, start, rest)
 
     if tests.displacement.max() <= 0.0:
-        raise ValueError("displacement must be greater than zero somewhere")
+        raise ValueError("displacement must be greater than zero at some point")
     result = fitted(several)
     if several and result.number("cohesion") < 0.0:
         low, high = result.span("cohesion")
@@ -259,7 +259,9 @@ def fit_soil(plates: PlateTests, shear: ShearTests | None = None, base: BekkerSo
     needed = [name for name, field in BekkerSoil.model_fields.items() if field.is_required()]
     lacking = tuple(name for name in needed if name not in values)
     if lacking and base is None:
-        raise ValueError(f"tests say nothing of {', '.join(lacking)}: name a base, such as lete_sand")
+        raise ValueError(
+            f"the tests do not determine {', '.join(lacking)}: give them by --base, such as --base lete_sand"
+        )
     law = BekkerSoil.model_validate(values) if base is None else base.with_(**values)
     for result in results:
         remarks += _close(result)

@@ -230,5 +230,5 @@ def _chosen(whole: Shapes, near: np.typing.ArrayLike | None, node: int | None) -
     number = int(distances.argmin())
     far = f"got {point.tolist()}, {distances[number]:.4g} m from the nearest node"
     if distances[number] > np.ptp(whole.nodes, axis=0).max():
-        raise ValueError(f"near must be at the shoe, in m in its frame, {far}")
+        raise ValueError(f"near must be a point of the shoe, in m in its frame, {far}")
     return number, float(distances[number])
