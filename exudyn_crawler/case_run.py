@@ -79,7 +79,7 @@ def run_case(
     check_case_file(case_file)
     # an empty path would mean the current folder
     if "" in (out, reuse):
-        raise ValueError("out and reuse must name folders, or be None, got ''")
+        raise ValueError("out and reuse must name folders, or be none, got ''")
     # a wrong mesh, or ruts of another ground, are refused before anything is solved or written
     case = case_file.case
     if case.flexible is not None:

@@ -52,13 +52,16 @@ class Meaning(NamedTuple):
     words: str
 
 
-DRIVES = {"drive_moment": Meaning("N.m", "on the tumbler"), "drive_pull": Meaning("N", "on the chain")}
+DRIVES = {
+    "drive_moment": Meaning("N.m", "drive moment on the tumbler"),
+    "drive_pull": Meaning("N", "pull of the drive on the chain"),
+}
 """Quantities of the drive of a machine."""
 FRAME = {
     "position": Meaning("m", "position of the side frame's origin"),
-    "velocity": Meaning("m/s", "its velocity"),
-    "angles": Meaning("rad", "its roll, pitch and yaw"),
-    "angular_velocity": Meaning("rad/s", "its angular velocity"),
+    "velocity": Meaning("m/s", "velocity of this origin"),
+    "angles": Meaning("rad", "roll, pitch and yaw of the side frame"),
+    "angular_velocity": Meaning("rad/s", "angular velocity of the side frame"),
 }
 UNITS = {
     "m": {"m": 1},
@@ -214,12 +217,17 @@ def _output_names(case: Case) -> dict[str, Meaning]:
     name = _drive_name(case)
     named = {name: DRIVES[name]}
     if case.tracks > 1:
-        named = {f"drive_moment[{track}]": Meaning("N.m", "on its tumbler") for track in (1, 2)}
+        named = {
+            f"drive_moment[{track}]": Meaning("N.m", f"drive moment on the tumbler of track {track}")
+            for track in (1, 2)
+        }
     vectors = {f"side_frame_{name}": meaning for name, meaning in FRAME.items()}
     for link in case.joints:
-        vectors[f"joint_force[{link}]"] = Meaning("N", f"of the joint ahead of shoe {link} on this shoe")
+        vectors[f"joint_force[{link}]"] = Meaning(
+            "N", f"force of the joint ahead of shoe {link} on this shoe"
+        )
     for shoe in case.track.shoes:
-        vectors[f"ground_force[{shoe}]"] = Meaning("N", f"of the ground on shoe {shoe}")
+        vectors[f"ground_force[{shoe}]"] = Meaning("N", f"force of the ground on shoe {shoe}")
     return named | {f"{name}.{axis}": vector for name, vector in vectors.items() for axis in AXES}
 
 
@@ -256,12 +264,12 @@ class MachineOnTrack(Fmi2Slave):
         self._ended = "it was not initialized"  # reason of the end; empty while steps are possible
         self._outputs = dict.fromkeys(_output_names(self._case), 0.0)
         self.default_experiment = DefaultExperiment(start_time=0.0, step_size=STEP)
-        force = Meaning("N", "on the side frame's origin beside its weight")
-        moment = Meaning("N.m", "about the side frame's origin")
+        force = Meaning("N", "force at the side frame's origin in addition to its weight")
+        moment = Meaning("N.m", "moment about the side frame's origin")
         named = {f"force.{axis}": force for axis in AXES} | {f"moment.{axis}": moment for axis in AXES}
-        named["speed"] = Meaning("m/s", "of the drive, at the end of a step")
+        named["speed"] = Meaning("m/s", "speed of the drive at the end of a step")
         if self._case.tracks > 1:
-            named["turn_rate"] = Meaning("rad/s", "to the left, at the end of a step")
+            named["turn_rate"] = Meaning("rad/s", "turn rate of the machine to the left at the end of a step")
         wrench = np.ravel(self._case.machine_wrench(0.0)).tolist()
         self._inputs = dict.fromkeys(named, 0.0) | dict(zip(named, wrench, strict=False))
         self._register(named, self._inputs, Fmi2Causality.input)

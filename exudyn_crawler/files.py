@@ -42,7 +42,7 @@ def whole_file(path: Path, overwrite: bool = False) -> Iterator[Path]:
         try:
             yield temporary
             if path.exists() and not overwrite:
-                raise FileExistsError(f"{path} was written by somebody else in the meantime")
+                raise FileExistsError(f"{path} was written by another program in the meantime")
             temporary.replace(path)
             note_written(path)
         finally:

@@ -88,7 +88,7 @@ class ShoeFile:
                 "the underside is longer than the pitch, and interleaves with those of its neighbours: "
                 f"a rectangle of {shoe.length:.4g} x {shoe.width:.4g} m stands for it"
             )
-        yield "the front is the end with the outer lugs; --flip-front if the other one leads"
+        yield "the front is the end with the outer lugs; use --flip-front if it is the other one"
         for question in self.recognized.questions:
             yield f"to be decided: {question}"
         for reason in self.refusals:
@@ -112,7 +112,7 @@ def shoe_of(
     if frequencies[0] < MECHANISM * frequencies[-1]:
         raise fem.MeshError(
             f"{path}: the mesh must be one stiff body, its first free-free frequency is "
-            f"{frequencies[0]:.3g} Hz: parts of it are joined at edges or corners alone"
+            f"{frequencies[0]:.3g} Hz: parts of it are joined only at edges or corners"
         )
     surface = "whole top" if "whole top" in mesh.surfaces else "underside"
     with warnings.catch_warnings():
@@ -335,7 +335,7 @@ def datasheet_shoe(
     case_file = read_case(path, ["datasheet.shoe_mesh='none'"])
     sheet = case_file.datasheet
     if sheet is None:
-        raise ValueError(f"{path} must have a table [datasheet], to which a shoe is fitted")
+        raise ValueError(f"{path} must have a table [datasheet], to which the shoe is fitted")
     name = f"{path.stem}_shoe"
     whole = paths_of(name, files.writable_folder(folder))
     for target in whole.values():

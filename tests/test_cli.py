@@ -129,7 +129,7 @@ def test_figures_of_a_machine_come_first_and_all_values_where_they_are_asked_for
     out = told("machine", "mine.toml")
     assert out.startswith("Komatsu PC300LC-8: its figures") or "its figures" in out.splitlines()[0]
     assert len(out.splitlines()) < 25
-    assert "values stand behind these figures: exudyn-crawler machine mine.toml --all" in out
+    assert "values determine these figures: exudyn-crawler machine mine.toml --all" in out
     listed = told("machine", "mine.toml", "--all")
     values = [line.split("│")[2] for line in listed.splitlines() if line.count("│") == 5]
     assert len(values) > 60
@@ -147,7 +147,7 @@ def test_a_law_of_the_ground_is_drawn_from_its_file(told, refused, tmp_path):
     assert (tmp_path / "sand.png").stat().st_size > 10_000
     for text, words in (
         ('model = "clay"', ("law.toml", "model", "'bekker' or 'rock'", "'clay'")),
-        ("k_c = 1e5", ("law.toml: model: missing; a law is of the model 'bekker' or 'rock'",)),
+        ("k_c = 1e5", ("law.toml: model must be given: 'bekker' or 'rock'",)),
         ("model = {}", ("law.toml", "model: must be 'bekker' or 'rock'", "got {}")),
         ('model = "rock"\nbase = "hard_floor"\nfriction = -1.0', ("law.toml", "friction", "-1")),
         ('model = "bekker"\nbase = "hard_floor"', ("law.toml", "base", "'oil_sand_low'")),
@@ -261,7 +261,7 @@ def test_stress_and_pin_forces_are_asked_of_a_run(told, refused, history, tmp_pa
     (tmp_path / "run").mkdir()
     history.save(tmp_path / "run" / "history.nc")
     out = told("node-stress", "run", "--shoe", "13", "--near", "0.2", "-0.3", "0.1")
-    assert "m from the place asked for" in out
+    assert "m from the given point" in out
     assert "greatest von Mises stress" in out
     (written,) = (tmp_path / "run").glob("stress_shoe_13_node_*.csv")
     assert pd.read_csv(written)["von Mises in MPa"].gt(0.0).all()
@@ -332,14 +332,14 @@ def test_a_name_of_the_library_where_a_file_is_wanted_says_how_to_begin_from_it(
 def test_a_name_of_a_study_or_without_its_end_says_which_file_is_meant(refused, tmp_path):
     assert "exudyn-crawler init my_demo --study demo" in refused("run", "demo")
     assert "exudyn-crawler init my_scatter --study scatter" in refused("scatter", "scatter")
-    assert "no study: begin from it with --machine pc300lc" in refused("init", "pc300lc")
+    assert "not a study: start from it with --machine pc300lc" in refused("init", "pc300lc")
     assert "demo is a study: --study demo" in refused("init", "mine", "--machine", "demo")
     (tmp_path / "mine.toml").touch()
     assert "there is no file mine; did you mean mine.toml?" in refused("run", "mine")
 
 
 def test_init_refuses_unknown_names_with_the_known_ones(refused, tmp_path):
-    known = "study must be of ['closed', 'demo', 'duty', 'duty_scatter', 'forces', 'grounds', "
+    known = "study must be one of closed, demo, duty, duty_scatter, forces, grounds, "
     assert known in refused("init", "m114")
     assert "got 'm114'; give 'm114' one to start from, such as --study kinematics" in refused("init", "m114")
     assert "got 'duty'" in refused("info", "duty")
@@ -445,8 +445,8 @@ DURATION = "error: Invalid value for '--duration': duration must be positive and
     [
         ("run nowhere.toml", "no case file nowhere.toml"),
         ("info nowhere.toml", "no case file nowhere.toml"),
-        ("run .", ". is a folder, no case file"),
-        ("life .", ". is a folder, no duty file"),
+        ("run .", ". is a folder, not a case file"),
+        ("life .", ". is a folder, not a duty file"),
         ("info stres", "case must be a case file or a study of ['closed', 'demo', 'forces', "),
         ("studies kinematics --duration -1", f"{DURATION} -1.0 s"),
         ("studies kinematics --duration 0", f"{DURATION} 0.0 s"),
@@ -464,7 +464,7 @@ DURATION = "error: Invalid value for '--duration': duration must be positive and
         ("report nowhere", "no folder nowhere"),
         ("animate nowhere.nc", "no history at nowhere.nc"),
         ("init", "Missing argument 'NAME'"),
-        ("init own --study opera", "study must be of ['closed', 'demo', 'duty', "),
+        ("init own --study opera", "study must be one of closed, demo, duty, "),
         ("init nowhere/closed", "nowhere/closed.toml"),
         ("run a.toml --out ''", "no value may be empty, got ['run', 'a.toml', '--out', '']"),
         ("studies stress --out=", "no value may be empty, got ['stress', '--out=']"),
@@ -599,7 +599,7 @@ def test_a_dry_run_of_a_sweep_shows_its_runs_and_leaves_nothing(told, soils, tmp
     [
         (("spring_stiffness", "spring_stifness"), (), "terrain.spring_stifness: unknown key; did you mean"),
         (("count = 3", "runs = 3"), (), "vary[0].runs: unknown key"),
-        (("", ""), ("--scheduler", "none.json"), "scheduler must be one that answers, got none.json"),
+        (("", ""), ("--scheduler", "none.json"), "the scheduler none.json does not answer"),
         (("", ""), ("--scheduler", "a.json", "--workers", "2"), "--workers must be left out with"),
     ],
 )

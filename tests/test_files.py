@@ -68,7 +68,7 @@ def test_a_file_that_appears_in_the_meantime_is_kept(tmp_path):
             temporary.write_text("mine")
             path.write_text("theirs")
 
-    with pytest.raises(FileExistsError, match="somebody else in the meantime"):
+    with pytest.raises(FileExistsError, match="another program in the meantime"):
         two_write()
     assert path.read_text() == "theirs"
     assert list(tmp_path.iterdir()) == [path]

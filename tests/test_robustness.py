@@ -203,7 +203,7 @@ def test_a_history_whose_heap_is_broken_is_refused_and_not_read_for_ever(tmp_pat
     content[place + 8 : place + HEAD] = (size - 39).to_bytes(8, "little")
     path = tmp_path / "broken.nc"
     path.write_bytes(content)
-    with pytest.raises(ValueError, match=f"does not hold a history: its heap at byte {heap} is broken"):
+    with pytest.raises(ValueError, match=f"must hold a history: its heap at byte {heap} is broken"):
         History.load(path)
 
 
@@ -224,7 +224,7 @@ def test_a_broken_history_is_refused_by_name(tmp_path, short_file, data):
         history = History.load(path)
     except ValueError as error:
         message = str(error)
-    assert not message or message.startswith(f"{path} does not hold a history: ")
+    assert not message or message.startswith(f"{path} must hold a history: ")
     assert len(message.splitlines()) <= 1
     assert path.read_bytes() == content
     if not message:
@@ -240,7 +240,7 @@ def test_reusing_a_broken_history_is_one_line_and_runs_nothing(tmp_path, refused
     (tmp_path / "old").mkdir()
     (tmp_path / "old" / "history.nc").write_bytes(short_file[0][:5000])
     err = refused("run", "case.toml", "--out", "out", "--reuse", "old")
-    assert err.startswith("error: old/history.nc does not hold a history: ")
+    assert err.startswith("error: old/history.nc must hold a history: ")
     assert not (tmp_path / "out").exists()
 
 

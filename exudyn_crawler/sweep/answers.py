@@ -58,8 +58,8 @@ class AnyAnswer(Parameters):
     number, NaN if a run has none.
     """
 
-    name: Name | None = option("column of the table; made of the rest, if not given", None)
-    better: Literal["less", "more"] = option("which runs are best: with less or with more of it", "less")
+    name: Name | None = option("column of the table; none: made from the other keys", None)
+    better: Literal["less", "more"] = option("direction of better runs: less or more of the answer", "less")
 
     _column: ClassVar[Any]
     _case_errors: ClassVar[Any]
@@ -93,15 +93,17 @@ class Answer(AnyAnswer):
     """
 
     model: Literal["quantity"] = "quantity"
-    quantity: str = option("name in the catalogue, such as joint_force")
+    quantity: str = option("name of a quantity in the catalogue, such as joint_force")
     statistic: Literal["greatest", "least", "largest", "mean", "rms", "range", "end"] = option(
-        "greatest, least, largest (in magnitude), mean, rms, range, or end: the mean at the end", "greatest"
+        "statistic over time: greatest, least, largest (in magnitude), mean, rms, range, or end (mean"
+        " at the end)",
+        "greatest",
     )
-    axis: Literal["x", "y", "z"] | None = option("of a vector, global; its length, if not given", None)
-    of: tuple[int, ...] | None = option("of shoes, links or units; all, if not given", None, min_length=1)
-    wheels: WheelKind | None = option("of wheels of a closed track: of this kind; all, if not given", None)
-    start: float = measured("s", "first time that counts", ge=0, default=0.0)
-    end: float | None = measured("s", "last time that counts; the run's end, if not given", default=None)
+    axis: Literal["x", "y", "z"] | None = option("global component of a vector; none: its magnitude", None)
+    of: tuple[int, ...] | None = option("numbers of shoes, links or units; none: all", None, min_length=1)
+    wheels: WheelKind | None = option("kind of wheels of a closed track; none: all", None)
+    start: float = measured("s", "first counted time", ge=0, default=0.0)
+    end: float | None = measured("s", "last counted time; none: the run's end", default=None)
 
     def _errors(self) -> Errors:
         if self.quantity not in ANSWERABLE:
@@ -109,7 +111,7 @@ class Answer(AnyAnswer):
             of = "a number or a vector over time, of a shoe, link, unit, roller or the track"
             yield f"quantity must be {of}, got {self.quantity!r}; the nearest is {near[0]!r}"
         if self.axis is not None and "axis" not in QUANTITIES[self.quantity].dimensions:
-            yield f"axis must be left out with {self.quantity}, which is no vector"
+            yield f"axis must be left out with {self.quantity}, which is not a vector"
         if self.wheels is not None and "wheel" not in QUANTITIES[self.quantity].dimensions:
             yield f"wheels must be left out with {self.quantity}, which is not of wheels"
         if self.end is not None and self.end <= self.start:
@@ -132,7 +134,7 @@ class Answer(AnyAnswer):
         yield from _beyond(case_file, start=self.start, end=self.end)
         kinds = {label.kind for label in case.gear.wheel_labels}
         if self.wheels is not None and not lacking and self.wheels not in kinds:
-            yield f"wheels must be of {' or '.join(sorted(kinds))}, got {self.wheels!r}"
+            yield f"wheels must be {' or '.join(sorted(kinds))}, got {self.wheels!r}"
         what, numbers = _counted(quantity, case)
         wrong = [number for number in self.of or () if number not in numbers]
         if wrong and not numbers:
@@ -161,7 +163,7 @@ class HotSpot(AnyAnswer):
 
     model: Literal["hot_spot"] = "hot_spot"
     shoe: int = option("number of the shoe")
-    rank: int = option("1: the hottest", 1, ge=1, le=HOT_SPOTS)
+    rank: int = option("rank of the hot spot; 1: highest stress", 1, ge=1, le=HOT_SPOTS)
 
     @property
     def _column(self) -> tuple[str, str, str]:
@@ -184,9 +186,9 @@ class Life(AnyAnswer, DamageOptions, Often):
     """Shortest life of the flexible shoes if all machine hours, or a share of them, are like the run."""
 
     model: Literal["life"] = "life"
-    better: Literal["less", "more"] = option("which runs are best: with less or with more of it", "more")
-    region: Region | None = option("part of the shoe whose shortest life counts; all, if not given", None)
-    survival: Survival = option("part of the shoes that survive it", 0.975)
+    better: Literal["less", "more"] = option("direction of better runs: less or more of the answer", "more")
+    region: Region | None = option("region of the shoe whose shortest life counts; none: all", None)
+    survival: Survival = option("probability of survival of the life", 0.975)
 
     def _errors(self) -> Errors:
         self.duty()
@@ -228,13 +230,13 @@ class Drawbar(AnyAnswer):
     """Number of a drawbar test: of a case whose drive holds slips, made by the command `drawbar`."""
 
     model: Literal["drawbar"] = "drawbar"
-    better: Literal["less", "more"] = option("which runs are best: with less or with more of it", "more")
+    better: Literal["less", "more"] = option("direction of better runs: less or more of the answer", "more")
     result: Literal["pull", "greatest_pull", "gradeability", "motion_resistance", "efficiency"] = option(
-        "pull at the slip, or over all slips greatest pull, grade that it climbs, resistance without a "
-        "pull, best efficiency",
+        "pull at the given slip, or over all slips the greatest pull, gradeability, resistance "
+        "without a pull, best efficiency",
         "pull",
     )
-    slip: float = measured("1", "at which the pull counts", ge=0, le=1, default=0.2)
+    slip: float = measured("1", "slip of the pull", ge=0, le=1, default=0.2)
 
     @property
     def _column(self) -> tuple[str, str, str]:
@@ -245,9 +247,9 @@ class Drawbar(AnyAnswer):
     def _case_errors(self, case_file: CaseFile) -> Errors:
         slip = case_file.case.drive.slip
         if slip is None:
-            yield "drawbar needs a drive.slip, as the command drawbar makes it"
+            yield "drawbar needs a drive.slip, as the command drawbar sets it"
         elif self.result == "pull" and max(slip.values) < self.slip:
-            yield f"slip must be among those that are held, up to {max(slip.values):g}, got {self.slip:g}"
+            yield f"slip must be at most the greatest held slip, {max(slip.values):g}, got {self.slip:g}"
 
     def of_run(self, run: CaseRun) -> float:
         """Return the number of a run."""

@@ -147,7 +147,7 @@ def _client(scheduler: Scheduler) -> distributed.Client:
         return distributed.Client(**({"scheduler_file": where} if is_file else {"address": where}), **how)
     except (OSError, ValueError, KeyError, TypeError, TimeoutError) as error:
         reason = " ".join(str(error).split()) or type(error).__name__
-        raise ValueError(f"scheduler must be one that answers, got {scheduler}: {reason}") from error
+        raise ValueError(f"the scheduler {scheduler} does not answer: {reason}") from error
 
 
 def _check_answers(address: str) -> None:

@@ -56,23 +56,25 @@ class PlannedRun(NamedTuple):
 class Fleet(Parameters):
     """Shoes whose machine hours a scatter counts."""
 
-    shoes: int = quantity("1", "shoes of all machines", ge=1, le=10_000_000, default=78)
+    shoes: int = quantity("1", "number of shoes of all machines", ge=1, le=10_000_000, default=78)
     hours_a_year: float = quantity(
-        "h", "machine hours of a year", (100.0, 8784.0), gt=0, le=8784, default=6000.0
+        "h", "machine hours in a year", (100.0, 8784.0), gt=0, le=8784, default=6000.0
     )
     rebuild: float = quantity(
-        "h", "hours after which all shoes are new again", (100.0, 1e6), gt=0, le=1e9, default=25_000.0
+        "h", "machine hours after which all shoes are replaced", (100.0, 1e6), gt=0, le=1e9, default=25_000.0
     )
 
 
 class Variation(Parameters):
     """Parameters that vary, and their design."""
 
-    vary: tuple[Vary, ...] = option("what varies", min_length=1)
-    design: Design = option("grid, list, latin_hypercube, sobol or saltelli", "grid")
-    runs: int | None = option("points that latin_hypercube, sobol or saltelli draw", None, ge=1, le=MOST_RUNS)
-    seed: int = option("of the random numbers", 1, ge=0, le=2**32 - 1)
-    fleet: Fleet = option("shoes that a scatter of lives is counted for", Fleet())
+    vary: tuple[Vary, ...] = option("varied values", min_length=1)
+    design: Design = option("design: grid, list, latin_hypercube, sobol or saltelli", "grid")
+    runs: int | None = option(
+        "number of points drawn by latin_hypercube, sobol or saltelli", None, ge=1, le=MOST_RUNS
+    )
+    seed: int = option("seed of the random numbers", 1, ge=0, le=2**32 - 1)
+    fleet: Fleet = option("fleet for the number of cracked shoes", Fleet())
 
     # members of each kind, beside its answers
     named: ClassVar[Any]
@@ -90,10 +92,10 @@ class Variation(Parameters):
     def _errors(self) -> Errors:
         names = [*OWN_COLUMNS, *self.columns, *(answer.label for answer in self.answers)]
         if twice := [name for name, count in Counter(names).items() if count > 1]:
-            yield f"name must be given where columns would be the same: {', '.join(twice)}"
+            yield f"name must be given for columns with the same name: {', '.join(twice)}"
         paths = Counter(path for variable in self.vary for path in variable.keys)
         if again := [path for path, count in paths.items() if count > 1]:
-            yield f"a path must vary once, got {', '.join(again)} again"
+            yield f"a path must be varied once, got {', '.join(again)} again"
         sizes = [
             len(variable.values) if variable.values is not None else variable.count or 1
             for variable in self.vary
@@ -168,8 +170,8 @@ class Sweep(Variation):
     """Case, varied values, design and answers; answers that the runs cannot give are refused at once."""
 
     case: CaseFile
-    answers: tuple[Answers, ...] = option("what is wanted of every run", min_length=1)
-    outputs: Outputs = option("what every run leaves, whatever its case says", BARE)
+    answers: tuple[Answers, ...] = option("answers computed for every run", min_length=1)
+    outputs: Outputs = option("outputs of every run, in place of those of the case", BARE)
 
     def _errors(self) -> Errors:
         yield from super()._errors()
@@ -287,7 +289,7 @@ def design_rows(design: Design, varied: tuple[Vary, ...], runs: int | None, seed
     """
     if design not in SAMPLED:
         if runs is not None:
-            raise ValueError(f"runs must be left out with design {design!r}, whose values make its runs")
+            raise ValueError(f"runs must be left out with design {design!r}: its values make the runs")
         levels = [variable.levels() for variable in varied]
         if design == "grid":
             return list(itertools.product(*levels))
@@ -343,7 +345,7 @@ def read_sweep(path: str | Path) -> Sweep:
 def _assumed(case_file: CaseFile) -> list[reading.Content]:
     """Return variables for all assumed values of a datasheet's machine, each over its range."""
     if case_file.datasheet is None:
-        raise ValueError(f"{ASSUMED} needs a case with a datasheet, of which values are assumed")
+        raise ValueError(f"{ASSUMED} needs a case with a datasheet and assumed values")
     return datasheets.assumed_ranges(case_file.datasheet)
 
 

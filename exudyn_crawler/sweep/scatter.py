@@ -31,7 +31,7 @@ class DutyScatter(definition.Variation):
     """Lives over a duty with drawn values: every draw is a shoe."""
 
     duty: Duty
-    design: definition.Design = parameters.option("as in a sweep", "latin_hypercube")
+    design: definition.Design = parameters.option("design of the draws, as in a sweep", "latin_hypercube")
 
     def _errors(self) -> parameters.Errors:
         for path in (path for variable in self.vary for path in variable.keys):

@@ -44,26 +44,29 @@ class Vary(Parameters):
     """Value of the case that varies from run to run, or several values that change together."""
 
     key: Key | tuple[Key, ...] = option(
-        "path of the value, such as terrain.spring_stiffness, loads.phases[*].loads (of all phases), or "
-        "life.material.casting_factor (of all answers of life); several paths have the same value or factor"
+        "path of the value, such as terrain.spring_stiffness, loads.phases[*].loads (of all phases), "
+        "or life.material.casting_factor (of all answers of life); several paths share one value or "
+        "factor"
     )
-    name: Name | None = option("column of the table; the path's end, if not given", None)
-    unit: str | None = option("of values and bounds, to be sure: that of the case", None)
-    values: tuple[Any, ...] | None = option("all values, in place of bounds", None)
+    name: Name | None = option("column of the table; none: last name of the path", None)
+    unit: str | None = option(
+        "unit of values and bounds, which must be that of the case; none: not checked", None
+    )
+    values: tuple[Any, ...] | None = option("list of values, in place of bounds", None)
     settings: tuple[Puts, ...] | None = option(
-        "what each value, which tables and axes show in `unit`, stands for: one of each path in order", None
+        "settings for each value, one for each path in order; tables and axes show the values in `unit`", None
     )
-    low: float | None = option("least value", None)
-    high: float | None = option("greatest value", None)
-    count: int | None = option("values of a grid between bounds", None, ge=2, le=1_000_000)
-    scale: Literal["linear", "log"] = option("whether steps or ratios between bounds are equal", "linear")
+    low: float | None = option("lower bound", None)
+    high: float | None = option("upper bound", None)
+    count: int | None = option("number of grid values between the bounds", None, ge=2, le=1_000_000)
+    scale: Literal["linear", "log"] = option(
+        "spacing between the bounds: linear, equal steps; log, equal ratios", "linear"
+    )
     distribution: Literal["uniform", "normal", "weibull"] = option(
-        "of the values that a sample draws; normal with scale log is log-normal", "uniform"
+        "distribution of drawn values; normal on a log scale is log-normal", "uniform"
     )
-    within: float | None = option(
-        "portion of the drawn values between low and high; 0.9, if not given", None, gt=0, lt=1
-    )
-    factor: bool = option("whether values and bounds multiply what the base has", False)
+    within: float | None = option("probability between low and high; none: 0.9", None, gt=0, lt=1)
+    factor: bool = option("values and bounds as factors of the base's value", False)
 
     def _errors(self) -> Errors:
         for path in self.keys:
@@ -75,9 +78,9 @@ class Vary(Parameters):
 
     def _bound_errors(self) -> Errors:
         if self.settings is not None:
-            yield "settings need values, which they stand for"
+            yield "settings must be given with values, one for each"
         if self.low is None or self.high is None:
-            yield "give values, or low and high"
+            yield "values, or low and high, must be given"
         elif self.low >= self.high:
             yield f"low must be less than high = {self.high:g}, got {self.low:g}"
         elif (self.scale == "log" or self.distribution == "weibull") and self.low <= 0.0:
@@ -88,19 +91,19 @@ class Vary(Parameters):
         if self.distribution == "weibull" and self.scale == "log":
             yield "scale must be left out with distribution 'weibull'"
         if self.distribution != "uniform" and self.count is not None:
-            yield f"count must be left out with distribution {self.distribution!r}, which a sample draws"
+            yield f"count must be left out with distribution {self.distribution!r}, which needs a sample"
 
     def _value_errors(self, values: tuple[Any, ...]) -> Errors:
         if (self.low, self.high, self.count, self.distribution) != (None, None, None, "uniform"):
-            yield "values take the place of low, high and count, and of a distribution"
+            yield "low, high, count and distribution must be left out with values"
         if not values:
             yield "values must hold at least one value, got an empty list"
         if any(value in values[:k] for k, value in enumerate(values)):
-            yield f"values must be different ones, got {fields.shown(list(values))}"
+            yield f"values must be different, got {fields.shown(list(values))}"
         if self.settings is None:
             return
         if self.name is None or self.factor:
-            yield "settings need a name of their values, and no factor"
+            yield "settings must be given with a name, and without factor"
         counts = [len(row) for row in self.settings]
         paths = len(self.keys)
         if counts != [paths] * len(values):
@@ -197,7 +200,9 @@ class Vary(Parameters):
             if fields.is_table(entry.value):
                 raise ValueError(f"{path} is a table; key must be the path of a value in it")
             if entry.place[-1] in fields.TAGS:
-                raise ValueError(f"{path} cannot vary: each has values of its own; make a sweep of each")
+                raise ValueError(
+                    f"{path} cannot be varied: it selects a class with other keys; make one sweep for each"
+                )
             # settings are computed: their unit is that of their values
             if self.settings is None:
                 self._check_unit(path, entry)
@@ -226,8 +231,8 @@ class Vary(Parameters):
         for value in filter(fields.is_number, self._values):
             if cause := fields.likely_cause(float(value), entry.field):
                 raise ValueError(
-                    f"{path}: {value:g} {entry.unit} is beyond what there is{cause}; "
-                    f"if it is meant, say unit = {entry.unit!r}"
+                    f"{path}: {value:g} {entry.unit} is implausible{cause}; "
+                    f"if it is right, give unit = {entry.unit!r}"
                 )
 
 
@@ -236,6 +241,8 @@ def _multiplied(before: Any, factor: Any) -> Any:
     if isinstance(before, list):
         return [_multiplied(number, factor) for number in before]
     if not (fields.is_number(before) and fields.is_number(factor)):
-        raise ValueError(f"a factor needs numbers, got {fields.shown(factor)} times {fields.shown(before)}")
+        raise ValueError(
+            f"factor must be applied to numbers, got {fields.shown(factor)} times {fields.shown(before)}"
+        )
     product = before * factor
     return int(product) if isinstance(before, int) and float(product).is_integer() else product

@@ -194,7 +194,7 @@ def test_a_checkpoint_in_the_place_of_another_is_left_out(copied):
     shutil.copy(copied / "checkpoints" / "stage_0000.npz", copied / "checkpoints" / "stage_0001.npz")
     said = []
     assert len(Checkpoints(copied, said.append).load(staged())) == 1
-    assert "stage_0001.npz is that of stage 0: removed" in said[0]
+    assert "stage_0001.npz belongs to stage 0: removed" in said[0]
 
 
 def test_states_of_another_layout_are_refused_by_name(copied):

@@ -102,7 +102,7 @@ def test_what_follows_the_simulation_does_not_simulate_again_and_refuses_an_alte
     history = tmp_path / "history.nc"
     content = history.read_bytes()
     history.write_bytes(content[:2000])
-    with pytest.raises(ValueError, match=r"history\.nc does not hold a history: "):
+    with pytest.raises(ValueError, match=r"history\.nc must hold a history: "):
         run_case(STAGED, tmp_path)
     history.write_bytes(content)
     run_case(STAGED, tmp_path)

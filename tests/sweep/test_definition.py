@@ -89,11 +89,11 @@ def test_implausible_values_are_warned_of_before_anything_runs():
 @pytest.mark.parametrize(
     ("changes", "told"),
     [
-        ({"answers": (FORCE, FORCE)}, "name must be given where columns would be the same: joint_force"),
-        ({"vary": (Vary(key=STIFFNESS, name="status", values=(1e7,)),)}, "would be the same: status"),
+        ({"answers": (FORCE, FORCE)}, "name must be given for columns with the same name: joint_force"),
+        ({"vary": (Vary(key=STIFFNESS, name="status", values=(1e7,)),)}, "with the same name: status"),
         (
             {"vary": tuple(Vary(key=STIFFNESS, name=name, values=(1e7, 2e7)) for name in "ab")},
-            "a path must vary once, got terrain.spring_stiffness again",
+            "a path must be varied once, got terrain.spring_stiffness again",
         ),
         ({"vary": ()}, "at least 1 item"),
         (

@@ -65,15 +65,15 @@ def test_counts_between_bounds_are_whole_numbers():
     [
         ({"low": 2.0, "high": 1.0}, "low must be less than high = 1, got 2"),
         ({"low": -1.0, "high": 1.0, "scale": "log"}, "low must be positive with scale 'log', got -1"),
-        ({"low": 1.0}, "give values, or low and high"),
-        (BOUNDS | {"settings": ((1.0,),)}, "settings need values, which they stand for"),
-        ({"values": (1.0,), "settings": ((1.0,),)}, "settings need a name of their values, and no factor"),
+        ({"low": 1.0}, "values, or low and high, must be given"),
+        (BOUNDS | {"settings": ((1.0,),)}, "settings must be given with values, one for each"),
+        ({"values": (1.0,), "settings": ((1.0,),)}, "settings must be given with a name, and without factor"),
         (
             {"values": (1.0, 2.0), "name": "a", "settings": ((1.0,), (1.0, 2.0))},
             r"settings must be 2 lists, one a value, of 1 each, one a path, got lists of \[1, 2\]",
         ),
-        ({"values": (1.0,), "low": 1.0}, "values take the place of low, high and count"),
-        ({"values": (1.0, 1.0)}, "values must be different ones"),
+        ({"values": (1.0,), "low": 1.0}, "low, high, count and distribution must be left out"),
+        ({"values": (1.0, 1.0)}, "values must be different"),
         ({"values": ()}, "values must hold at least one value, got an empty list"),
         (BOUNDS | {"within": 0.9}, "within must be left out with distribution 'uniform', got 0.9"),
         (
@@ -105,9 +105,15 @@ def test_paths_and_bounds_that_make_no_sense_are_refused(given, told):
             "greater than or equal to 1 N/m, got -5",
         ),
         ({"key": "contact.friction", "low": 0.1, "high": 0.5}, "contact.friction: unknown key"),
-        ({"key": "contact.model", "values": ("spheres",)}, "cannot vary: each has values of its own"),
+        (
+            {"key": "contact.model", "values": ("spheres",)},
+            "cannot be varied: it selects a class with other keys",
+        ),
         ({"key": "terrain", "values": (1.0,)}, "terrain is a table"),
-        ({"key": "terrain.tilt", "values": (2.0,), "factor": True}, "a factor needs numbers, got 2.0 times"),
+        (
+            {"key": "terrain.tilt", "values": (2.0,), "factor": True},
+            "factor must be applied to numbers, got 2.0 times",
+        ),
         ({"key": "terrain.grade", "values": (2.0, 3.0), "factor": True}, "a factor of zero changes nothing"),
         ({"key": STIFFNESS, "values": ("soft",)}, "must be a number in N/m, or such as '1 MN/m'"),
     ],

@@ -83,7 +83,7 @@ class Checkpoints:
             try:
                 content = _read(path)
                 if path not in (self._end, self._file(content.number)):
-                    raise ValueError(f"checkpoint {path} is that of stage {content.number}")
+                    raise ValueError(f"checkpoint {path} belongs to stage {content.number}")
                 saved = case if content.case == case_json else saved_case(content.case)
                 stages.append(_checkpoint(path, content, self._shorter if path == self._end else None))
             except ValueError as error:
@@ -94,7 +94,7 @@ class Checkpoints:
                 break
             if saved != case:
                 raise ValueError(
-                    f"checkpoint {path} comes from other parameters ({differences(saved, case)[0]}): choose "
+                    f"checkpoint {path} belongs to another case ({differences(saved, case)[0]}): choose "
                     f"another folder or {errors.ASK_TO_OVERWRITE}"
                 )
             if layout not in (None, content.layout):

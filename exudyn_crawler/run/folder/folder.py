@@ -124,7 +124,7 @@ def _refuse_links(out: Path) -> None:
     for path in (out / record.LOG, out / record.CHECKPOINTS):
         if path.is_symlink():
             raise FileExistsError(
-                f"{path} must be no link, which a run would follow to {path.readlink()}: remove it, or "
+                f"{path} must not be a link, which a run would follow to {path.readlink()}: remove it, or "
                 "choose another folder"
             )
 
@@ -193,5 +193,5 @@ def matching_history(folder: Path, case_file: CaseFile) -> History:
     if abs(history.duration - case_file.duration) > SAME_TIME:
         changes.append(f"duration is {history.duration:g} s, not {case_file.duration:g} s")
     if changes:
-        raise ValueError(f"{path} comes from other parameters: {'; '.join(changes[:5])}")
+        raise ValueError(f"{path} comes from another case: {'; '.join(changes[:5])}")
     return history
