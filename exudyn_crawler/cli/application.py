@@ -30,13 +30,13 @@ Run = Annotated[Path, typer.Argument(help="folder of a run, or its history (NetC
 Out = Annotated[Path, typer.Option(help="folder for the results")]
 OfName = Annotated[
     Path | None,
-    typer.Option("--out", help=f"folder of the results; {RESULTS}/NAME of the file, if not given"),
+    typer.Option("--out", help=f"folder for the results; default: {RESULTS}/NAME of the file"),
 ]
 Overwrite = Annotated[bool, typer.Option("--overwrite", help="replace earlier results")]
 Debug = Annotated[bool, typer.Option("--debug", help="show the traceback of an error")]
 Changes = Annotated[
     list[str] | None,
-    typer.Option("--set", help="replace a value of the file, as terrain.spring_stiffness=1e7; repeatable"),
+    typer.Option("--set", help="replace a value, such as terrain.spring_stiffness=1e7; repeatable"),
 ]
 
 
@@ -56,7 +56,7 @@ def run_folder(run: Path) -> Path:
     if run.is_file():
         return run.parent
     if not run.is_dir():
-        raise NotADirectoryError(f"no folder {run}")
+        raise NotADirectoryError(f"there is no folder {run}")
     return run
 
 
@@ -135,7 +135,7 @@ def study_case(name: str) -> "crawler.CaseFile":
         return study_cases()[name].load()()
     if name in study_names(cases=True):
         return crawler.read_case(study_files()[name])
-    raise ValueError(f"study must be of {study_names(cases=True)}, got {name!r}")
+    raise ValueError(f"study must be one of {', '.join(study_names(cases=True))}, got {name!r}")
 
 
 def file_named(file: Path | None) -> Path | None:

@@ -75,11 +75,11 @@ def copy_study(file: Path, path: Path, overwrite: bool) -> None:
 def init(
     name: Annotated[str, typer.Argument(help="name of the case; the file is NAME.toml", metavar="NAME")],
     study: Annotated[
-        str | None, typer.Option(help="study to start from, as m113; that of NAME, if not given")
+        str | None, typer.Option(help="study to start from, such as m113; default: the study called NAME")
     ] = None,
     machine: Annotated[
         str | None,
-        typer.Option(help="machine of the library to start from, as pc300lc; `machines` lists them"),
+        typer.Option(help="machine of the library to start from, such as pc300lc; `machines` lists them"),
     ] = None,
     overwrite: application.Overwrite = False,
 ) -> None:
@@ -90,9 +90,14 @@ def init(
     path = Path(name if name.endswith(".toml") else f"{name}.toml")
     if machine is not None:
         if study is not None:
-            raise ValueError("--study and --machine must not be given together: each is what to start from")
+            raise ValueError(
+                "--study and --machine must not be given together: a case starts from one of them"
+            )
         datasheets.copy_machine(machine, path, overwrite)
-        typer.echo(f"{path}: edit it, see what follows: exudyn-crawler machine {path}, and run it")
+        typer.echo(
+            f"{path}: edit it; show what follows: exudyn-crawler machine {path}; "
+            f"run it: exudyn-crawler run {path}"
+        )
         return
     start = study or path.stem
     known = application.study_names()
@@ -101,10 +106,10 @@ def init(
 
         if start in library.machines():
             raise ValueError(
-                f"{start} is a machine of the library, no study: begin from it with --machine {start}"
+                f"{start} is a machine of the library, not a study: start from it with --machine {start}"
             )
         how = "" if study else f"; give {path.stem!r} one to start from, such as --study {START}"
-        raise ValueError(f"study must be of {known}, got {start!r}{how}")
+        raise ValueError(f"study must be one of {', '.join(known)}, got {start!r}{how}")
     file = application.study_files().get(start)
     if file is not None and not application.is_case(file):
         copy_study(file, path, overwrite)
@@ -166,11 +171,11 @@ def run(
     case: Annotated[Path, application.file_argument(help="case file", metavar="CASE.toml")],
     out: application.OfName = None,
     reuse: Annotated[
-        Path | None, typer.Option(help="folder of a run whose history is used instead of simulating")
+        Path | None, typer.Option(help="folder of a run whose history replaces the simulation")
     ] = None,
     changes: application.Changes = None,
     page: Annotated[
-        bool | None, typer.Option(help="make report.html or not; if not given, as the case says")
+        bool | None, typer.Option(help="write report.html or not; default: as in the case")
     ] = None,
     overwrite: application.Overwrite = False,
 ) -> None:
@@ -238,7 +243,7 @@ def show_answers(run: "CaseRun") -> None:
 def demo(
     out: application.Out = application.RESULTS / "demo",
     prepare: bool = typer.Option(
-        False, "--prepare", help="only compile and reduce, as the installation does"
+        False, "--prepare", help="only compile the equations and reduce the shoe, as after the installation"
     ),
     overwrite: application.Overwrite = False,
 ) -> None:
@@ -254,7 +259,7 @@ def demo(
         return
     case = case_file.case
     typer.echo(
-        f"half a machine drives on a track of {case.track.shoe_count} shoes, one of them flexible, for "
+        f"half of a machine drives on a track of {case.track.shoe_count} shoes, one of them flexible, for "
         f"{case_file.duration:g} s: this takes about 20 s, the first time on a machine a minute or two more"
     )
     done = crawler.run_case(case_file, out, overwrite=overwrite, take_finished=True, say=typer.echo)
@@ -283,7 +288,7 @@ def fmu(
         Path, application.file_argument(help="case file of a machine on its track", metavar="CASE.toml")
     ],
     changes: application.Changes = None,
-    out: Annotated[Path | None, typer.Option(help="file to write; CASE.fmu, if not given")] = None,
+    out: Annotated[Path | None, typer.Option(help="file to write; default: CASE.fmu")] = None,
     overwrite: application.Overwrite = False,
 ) -> None:
     """Write a case as a unit of co-simulation (FMU, FMI 2.0) that other programs step."""
@@ -307,19 +312,23 @@ def _sweeping(show: Callable[["SweepRun"], None], example: str, sampled: bool = 
     def run(
         file: Annotated[Path, application.file_argument(help="sweep file", metavar="SWEEP.toml")],
         dry_run: Annotated[
-            bool, typer.Option("--dry-run", help="show the runs, their number and their time; run none")
+            bool,
+            typer.Option(
+                "--dry-run", help="show the runs, their number and their duration, without running them"
+            ),
         ] = False,
         out: application.OfName = None,
         scheduler: Annotated[
             str | None,
-            typer.Option(help="Dask: tcp://host:8786 or a scheduler file; this machine, if not given"),
+            typer.Option(help="Dask scheduler: tcp://host:8786 or a scheduler file; default: this machine"),
         ] = None,
         workers: Annotated[
-            int | None, typer.Option(help="processes on this machine; one a core, if not given", min=1)
+            int | None,
+            typer.Option(help="number of processes on this machine; default: one for each core", min=1),
         ] = None,
         wait: Annotated[
             float | None,
-            typer.Option(help="s to go on without a worker of the scheduler; no limit, if not given", min=0),
+            typer.Option(help="time to go on without a worker of the scheduler, s; default: no limit", min=0),
         ] = None,
         retry: Annotated[bool, typer.Option("--retry", help="run failed runs again")] = False,
         overwrite: application.Overwrite = False,

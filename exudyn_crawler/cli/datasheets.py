@@ -21,7 +21,7 @@ def copy_machine(machine: str, path: Path, overwrite: bool) -> None:
     known = library.machines()
     if machine not in known:
         hint = f"; {machine} is a study: --study {machine}" if machine in application.study_names() else ""
-        raise ValueError(f"machine must be of {sorted(known)}, got {machine!r}{hint}")
+        raise ValueError(f"machine must be one of {', '.join(sorted(known))}, got {machine!r}{hint}")
     with whole_file(path, overwrite) as temporary:
         temporary.write_text(library.text_of(machine, path.stem), encoding="utf-8")
 
@@ -35,7 +35,7 @@ def fit_shoe(file: Path, size: str, out: Path, overwrite: bool) -> None:
     print_table(table, f"{paths['mesh']}: ready shoe of {file}")
     case = paths["case"]
     typer.echo(f"{paths['picture']}: its surfaces; its stress: exudyn-crawler run {case}")
-    typer.echo(f"what cracks it, without a run: exudyn-crawler check {case}")
+    typer.echo(f"its cycles to a crack, without a run: exudyn-crawler check {case}")
 
 
 def show_keys() -> None:

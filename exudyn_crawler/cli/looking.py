@@ -25,13 +25,13 @@ WHY = "what makes a difference"
 """Column of formulas beside runs, too wide for a terminal."""
 
 Shoe = Annotated[int, typer.Option(help="number of the shoe")]
-Out = Annotated[Path | None, typer.Option(help="file to write; one beside RUN or LAW, if not given")]
+Out = Annotated[Path | None, typer.Option(help="file to write; default: a file beside RUN or LAW")]
 
 
 @command("exudyn-crawler report results/stress")
 def report(
     run: Annotated[Path, typer.Argument(help="folder of a run or a study", metavar="RUN")],
-    out: Annotated[Path | None, typer.Option(help="file to write; RUN/report.html, if not given")] = None,
+    out: Annotated[Path | None, typer.Option(help="file to write; default: RUN/report.html")] = None,
     overwrite: application.Overwrite = False,
 ) -> None:
     """Make one self-contained page of a run, for reading offline in a browser."""
@@ -46,14 +46,14 @@ def animate(
     run: application.Run,
     out: Annotated[
         Path | None,
-        typer.Option(help=".mp4 or .gif file to write; RUN/history.mp4, if not given"),
+        typer.Option(help=".mp4 or .gif file to write; default: RUN/history.mp4"),
     ] = None,
     scale: Annotated[
         float | None,
-        typer.Option(help="magnification of the ground's displacements; chosen to fit, if not given"),
+        typer.Option(help="magnification of the ground's displacements; default: chosen to fit the picture"),
     ] = None,
-    start: Annotated[float, typer.Option(help="s, first time shown")] = 0.0,
-    end: Annotated[float | None, typer.Option(help="s, last time shown; the run's end, if not given")] = None,
+    start: Annotated[float, typer.Option(help="first shown time, s")] = 0.0,
+    end: Annotated[float | None, typer.Option(help="last shown time, s; default: the run's end")] = None,
     speed: Annotated[float, typer.Option(help="simulated seconds in a second of the film")] = 1.0,
     overwrite: application.Overwrite = False,
 ) -> None:
@@ -71,13 +71,13 @@ def node_stress(
     shoe: Shoe,
     near: Annotated[
         tuple[float, float, float] | None,
-        typer.Option(help="place in the shoe's frame, m; the nearest node is taken", metavar="X Y Z"),
+        typer.Option(help="point in the shoe's frame, m; the nearest node counts", metavar="X Y Z"),
     ] = None,
-    node: Annotated[int | None, typer.Option(help="number of the node, in place of --near")] = None,
+    node: Annotated[int | None, typer.Option(help="number of the node; alternative to --near")] = None,
     out: Out = None,
     overwrite: application.Overwrite = False,
 ) -> None:
-    """Write the stress at a place of a flexible shoe over time: tensor, principal stresses, von Mises."""
+    """Write the stress at a point of a flexible shoe over time: tensor, principal stresses, von Mises."""
     path = application.history_path(run)
     from exudyn_crawler.results.stress import recovery
 
@@ -86,10 +86,12 @@ def node_stress(
     number = stress.attrs["node"]
     typer.echo(
         f"shoe {shoe}, node {number} at ({place}) m in the shoe's frame, "
-        f"{stress.attrs['distance_m']:.4f} m from the place asked for"
+        f"{stress.attrs['distance_m']:.4f} m from the given point"
     )
     if stress.attrs["in_spider"]:
-        typer.echo("a joint's rigid spider holds the node: its stress is that beside a rigid ring")
+        typer.echo(
+            "the node belongs to a joint's rigid spider: its stress is beside a rigid coupling, not in a bore"
+        )
     mises = stress.von_mises.values
     greatest = int(mises.argmax())
     typer.echo(
@@ -116,12 +118,14 @@ def shoe_loads(
     run: application.Run,
     shoe: Shoe,
     time: Annotated[
-        float | None, typer.Option(help="s; that of the shoe's highest stress, if not given")
+        float | None, typer.Option(help="time, s; default: time of the shoe's highest stress")
     ] = None,
     program: Annotated[
         Literal["calculix", "abaqus"], typer.Option(help="finite-element program of the deck")
     ] = "calculix",
-    out: Annotated[Path | None, typer.Option(help="folder; that of the history, if not given")] = None,
+    out: Annotated[
+        Path | None, typer.Option(help="folder for the files; default: folder of the history")
+    ] = None,
     overwrite: application.Overwrite = False,
 ) -> None:
     """Write all forces on a shoe at one instant, in balance: a table, and a deck if it is flexible."""
@@ -156,10 +160,12 @@ def compare(
     ],
     out: Annotated[
         Path | None,
-        typer.Option(help="page to write, or figure of series, with its tables beside it; A_B, if not given"),
+        typer.Option(
+            help="page to write, or figure of series, with its tables beside it; default: named A_B"
+        ),
     ] = None,
     shift: Annotated[
-        float | None, typer.Option(help="s or m, added to the times or distances of measured series")
+        float | None, typer.Option(help="shift added to the times (s) or distances (m) of measured series")
     ] = None,
     overwrite: application.Overwrite = False,
 ) -> None:
@@ -212,7 +218,7 @@ def compare_series(run: Path, measured: Path, out: Path | None, shift: float, ov
     with style.titled_figure(path.stem, 8.0, 0.7 + 2.2 * len(compared)) as figure:
         drawing.draw_compared(compared, figure)
     style.save_figure(figure, path, overwrite)
-    typer.echo(f"{path}: the run's curves and what was measured; {table_path}: the table")
+    typer.echo(f"{path}: curves of the run and of the measurement; {table_path}: the table")
 
 
 @command("exudyn-crawler ground oil_sand.toml")
@@ -270,22 +276,26 @@ def wear(
 
 
 Unit = Annotated[
-    Literal["mm", "m", "inch", "cm"] | None, typer.Option(help="of lengths in the file; found, if not given")
+    Literal["mm", "m", "inch", "cm"] | None,
+    typer.Option(help="unit of lengths in the file; default: recognised from the size"),
 ]
-FlipFront = Annotated[bool, typer.Option("--flip-front", help="the other end leads")]
-FlipUp = Annotated[bool, typer.Option("--flip-up", help="the other side is up")]
+FlipFront = Annotated[
+    bool, typer.Option("--flip-front", help="turn the shoe so that its other end is the front")
+]
+FlipUp = Annotated[bool, typer.Option("--flip-up", help="turn the shoe so that its other side is up")]
 Footprint = Annotated[
-    Literal["plate", "tips"] | None, typer.Option(help="of grouser shoes: what carries on the ground")
+    Literal["plate", "tips"] | None,
+    typer.Option(help="underside of a shoe with grousers: plate, or tips of the grousers"),
 ]
-Body = Annotated[str | None, typer.Option(help="number of the solid, the largest is 1; or all", metavar="N")]
-Pins = Annotated[int, typer.Option(help="number of the pair of bores, the likeliest is 1", min=1)]
+Body = Annotated[str | None, typer.Option(help="number of the solid, 1 is the largest; or all", metavar="N")]
+Pins = Annotated[int, typer.Option(help="number of the pair of bores, 1 is the most likely", min=1)]
 ShapeChoices = tuple[
     Literal["mm", "m", "inch", "cm"] | None, bool, bool, Literal["plate", "tips"] | None, str | None, int
 ]
 """Options above in the order of `meshes.recognition.axes.Choices`."""
 NO_CHOICES: ShapeChoices = (None, False, False, None, None, 1)
 Size = Annotated[
-    Literal["coarse", "study", "fine"], typer.Option(help="of the elements of a solid that is meshed")
+    Literal["coarse", "study", "fine"], typer.Option(help="size of the elements if the file is a solid")
 ]
 
 
@@ -294,7 +304,7 @@ def shoe(
     file: Annotated[
         Path,
         application.file_argument(
-            help="STEP, STL, tetrahedra, or a case file with a datasheet", metavar="FILE"
+            help="maker's file (STEP, STL, tetrahedra), or a case file with a datasheet", metavar="FILE"
         ),
     ],
     unit: Unit = None,
@@ -329,14 +339,14 @@ def write_maker_shoe(file: Path, choices: ShapeChoices, size: str, out: Path, ov
     print_table(recognised.table, f"{name}: shoe of {file}")
     typer.echo("\n".join(recognised.lines()))
     typer.echo(f"{paths['picture']}: check that every surface has its colour")
-    typer.echo(f"{paths['case']}: what cracks it: exudyn-crawler check {paths['case']}")
+    typer.echo(f"{paths['case']}: its cycles to a crack: exudyn-crawler check {paths['case']}")
 
 
 @command("exudyn-crawler check overhanging.toml --no-pictures")
 def check(
     file: Annotated[
         Path,
-        application.file_argument(help="file of a shoe's check, a case, or a maker's file", metavar="SHOE"),
+        application.file_argument(help="check file of a shoe, case file, or maker's file", metavar="SHOE"),
     ],
     unit: Unit = None,
     flip_front: FlipFront = False,
@@ -348,7 +358,7 @@ def check(
     out: Annotated[
         Path | None,
         typer.Option(
-            help=f"folder of the results; {application.RESULTS}/NAME_check, of a maker's NAME, if not given"
+            help=f"folder for the results; default: {application.RESULTS}/NAME_check; maker's file: NAME"
         ),
     ] = None,
     pictures: Annotated[bool, typer.Option(help="draw each case")] = True,
@@ -382,13 +392,14 @@ def check(
 @command("exudyn-crawler assess studies/shovel_assessment.toml --run results/turn")
 def assess(
     machine: Annotated[
-        Path, application.file_argument(help="file of a machine, or of an assessment", metavar="MACHINE.toml")
+        Path,
+        application.file_argument(help="case file of a machine, or assessment file", metavar="MACHINE.toml"),
     ],
     out: application.OfName = None,
     run: Annotated[
         list[str] | None,
         typer.Option(
-            help="folder of a run whose forces take the place of the formulas' in its load case, or "
+            help="folder of a run whose forces replace those of the formulas in its load case, or "
             "LOAD CASE=RUN; may be repeated"
         ),
     ] = None,
@@ -396,7 +407,7 @@ def assess(
 ) -> None:
     """Assess a machine without a run: ground pressure, tipping, travel, load cases, utilisation of parts."""
     if not machine.is_file():
-        raise FileNotFoundError(f"no file {machine}")
+        raise FileNotFoundError(f"there is no file {machine}")
     folder = out or application.RESULTS / machine.stem
     result = crawler.assess(machine, folder, run=run or (), overwrite=overwrite, say=typer.echo)
     from exudyn_crawler.views.pages.assessment import printed
@@ -412,9 +423,11 @@ def assess(
 @command("exudyn-crawler spread results/stress/cycle")
 def spread(
     run: application.Run,
-    starts: Annotated[int, typer.Option(help="starts that differ by rounding, including the run's own")] = 3,
+    starts: Annotated[
+        int, typer.Option(help="number of starts that differ by rounding, including the run's own")
+    ] = 3,
     laws: Annotated[
-        bool, typer.Option(help="repeat it with the other contact law, too: shared by area, or not")
+        bool, typer.Option(help="repeat the run also with the other contact law, sharing pair or area")
     ] = True,
     overwrite: application.Overwrite = False,
 ) -> None:

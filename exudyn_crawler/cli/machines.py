@@ -22,18 +22,18 @@ def machine(
         application.file_argument(help="case file with a datasheet", metavar="FILE", show_default=False),
     ] = None,
     keys: Annotated[
-        bool, typer.Option("--keys", help="list all figures that a datasheet may have, with their units")
+        bool, typer.Option("--keys", help="list all keys of a datasheet with their units")
     ] = False,
     every: Annotated[
-        bool, typer.Option("--all", help="list all values that follow, each with its origin")
+        bool, typer.Option("--all", help="list all derived values, each with its origin")
     ] = False,
     out: Annotated[
-        Path | None, typer.Option(help="file (CSV) to write of all values, with all digits and their origins")
+        Path | None, typer.Option(help="CSV file to write: all values with all digits and their origins")
     ] = None,
     overwrite: application.Overwrite = False,
     changes: application.Changes = None,
 ) -> None:
-    """Show what follows from a datasheet: its figures beside those of the machine, and the assumed values."""
+    """Show what follows from a datasheet: its figures beside those of the machine, and assumed values."""
     from exudyn_crawler.case.parameters import checks
     from exudyn_crawler.machines.datasheet.discrepancies import odd_values
     from exudyn_crawler.machines.datasheet.figures import figures
@@ -43,7 +43,9 @@ def machine(
         datasheets.show_keys()
         return
     if file is None:
-        raise ValueError("FILE must be given: a case file with a datasheet; --keys lists what it may have")
+        raise ValueError(
+            "FILE must be given: a case file with a datasheet; --keys lists the keys of a datasheet"
+        )
     case_file = crawler.read_case(file, changes or ())
     sheet = case_file.datasheet
     if sheet is None:
@@ -70,7 +72,7 @@ def machine(
         typer.echo(f"{out}: all values with their origins")
     if not every and out is None:
         listed = f"exudyn-crawler machine {file} --all lists them, --out FILE.csv writes them"
-        typer.echo(f"{ledger.summary} values stand behind these figures: {listed}")
+        typer.echo(f"{ledger.summary} values determine these figures: {listed}")
 
 
 def _text(value: float | None, unit: str) -> str:
@@ -83,7 +85,7 @@ def _text(value: float | None, unit: str) -> str:
 @command("exudyn-crawler machines --page machines.html")
 def machines(
     page: Annotated[
-        Path | None, typer.Option(help="page to write: a drawing, figures and sources of each machine")
+        Path | None, typer.Option(help="page to write, with drawing, figures and sources of each machine")
     ] = None,
     overwrite: application.Overwrite = False,
 ) -> None:

@@ -14,12 +14,14 @@ from exudyn_crawler.views.tables import print_table, write_table
 
 @command("exudyn-crawler fit-soil plates.csv shear.csv")
 def fit_soil(
-    plates: Annotated[Path, typer.Argument(help="table of pressed plates", metavar="PLATE.csv")],
+    plates: Annotated[
+        Path, typer.Argument(help="table of plate tests: pressure over sinkage", metavar="PLATE.csv")
+    ],
     shear: Annotated[Path | None, typer.Argument(help="table of shear tests", metavar="[SHEAR.csv]")] = None,
     base: Annotated[
-        str | None, typer.Option(help="soil that has what the tests do not give, as lete_sand")
+        str | None, typer.Option(help="soil with the values that the tests do not give, such as lete_sand")
     ] = None,
-    out: Annotated[Path | None, typer.Option(help="law file to write; PLATE_law.toml, if not given")] = None,
+    out: Annotated[Path | None, typer.Option(help="law file to write; default: PLATE_law.toml")] = None,
     overwrite: application.Overwrite = False,
 ) -> None:
     """Fit the soil law to plate and shear tests: parameters with intervals, a law file and a figure."""
@@ -53,9 +55,11 @@ def drawbar(
     case: Annotated[
         Path, application.file_argument(help="case file of a closed track or a machine", metavar="CASE.toml")
     ],
-    slips: Annotated[str | None, typer.Option(help="to hold, rising; 0.01 to 0.4, if not given")] = None,
-    height: Annotated[float, typer.Option(help="m, of the drawbar above the ground")] = 0.0,
-    slip: Annotated[float, typer.Option(help="of the pull among the numbers", min=0.0, max=1.0)] = 0.2,
+    slips: Annotated[str | None, typer.Option(help="rising slips to hold; default: 0.01 to 0.4")] = None,
+    height: Annotated[float, typer.Option(help="height of the drawbar above the ground, m")] = 0.0,
+    slip: Annotated[
+        float, typer.Option(help="slip of the pull in the table of numbers", min=0.0, max=1.0)
+    ] = 0.2,
     out: application.OfName = None,
     changes: application.Changes = None,
     overwrite: application.Overwrite = False,
@@ -88,14 +92,12 @@ def drawbar(
 def soil_stress(
     run: application.Run,
     sensor: Annotated[
-        list[str], typer.Option(help="x, y and depth below the pressed surface in m; several may be given")
+        list[str], typer.Option(help="x, y and depth of a sensor below the loaded surface, m; repeatable")
     ],
     concentration: Annotated[
-        float | None, typer.Option(help="Froehlich's factor; 3 is Boussinesq, 4 if not given")
+        float | None, typer.Option(help="Froehlich's concentration factor; 3: Boussinesq; default: 4")
     ] = None,
-    out: Annotated[
-        Path | None, typer.Option(help="table to write; RUN/soil_stress.csv, if not given")
-    ] = None,
+    out: Annotated[Path | None, typer.Option(help="table to write; default: RUN/soil_stress.csv")] = None,
     overwrite: application.Overwrite = False,
 ) -> None:
     """Compute the normal pressure at sensors in the ground as the track passes: table, peaks and figure."""

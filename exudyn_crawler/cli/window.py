@@ -14,9 +14,9 @@ from exudyn_crawler.cli.commands import command
 def app(
     folder: Annotated[Path, typer.Argument(help="folder of case files and results")] = Path(),
     port: Annotated[
-        int | None, typer.Option(help="of the address; a free one, if not given", min=1024, max=65535)
+        int | None, typer.Option(help="port of the address; default: a free one", min=1024, max=65535)
     ] = None,
-    show: Annotated[bool, typer.Option("--browser/--no-browser", help="open the browser")] = True,
+    show: Annotated[bool, typer.Option("--browser/--no-browser", help="open the page in the browser")] = True,
 ) -> None:
     """Open a page to work in: assemble a machine, run it, see its results; on this computer alone."""
     if find_spec("nicegui") is None:
@@ -27,7 +27,9 @@ def app(
     home = writable_folder(folder).resolve()
 
     def say(address: str) -> None:
-        typer.echo(f"{address}\nopen it in a browser on this computer; Ctrl-C ends the page, runs go on")
+        typer.echo(
+            f"{address}\nopen it in a browser on this computer; Ctrl-C ends the page, started runs go on"
+        )
 
     try:
         with Runs(home).held():
@@ -37,4 +39,4 @@ def app(
 
             serve(home, build(home), port, show, say)
     except KeyboardInterrupt:
-        typer.echo("the page has ended; runs that had begun go on")
+        typer.echo("the page has ended; started runs go on")

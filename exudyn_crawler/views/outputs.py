@@ -138,7 +138,7 @@ def write_paraview(stress: xr.Dataset, history: History, folder: Path, overwrite
     path = folder / SERIES
     files.refuse_existing(path, overwrite)
     if history.case.flexible is None:
-        raise ValueError("the history has no flexible shoes")
+        raise ValueError("the history must have flexible shoes")
     name = history.case.flexible.mesh
     nodes = stress.node_position.transpose("node", "axis").values
     mesh = mesh_named(name)

@@ -39,7 +39,7 @@ def address(folder):
     with subprocess.Popen(words, stdout=subprocess.PIPE, text=True) as process:
         yield process.stdout.readline().strip()
         process.terminate()
-        assert "runs that had begun go on" in process.communicate(timeout=60)[0]
+        assert "started runs go on" in process.communicate(timeout=60)[0]
         assert process.returncode == 0
 
 

@@ -187,7 +187,7 @@ def test_the_case_is_listed_with_units(stress_page):
         ("shoe.mass", f"{STRESS_SHOE_MASS} kg", "mass"),
         ("flexible.youngs_modulus", "200 GPa", "E"),
         ("flexible.shoes", "7, 13", "numbers of the flexible shoes"),
-        ("loads.phases[0].loads", "13 x 386.4 kN", "downward load on shoes 1..n at the phase&#39;s end"),
+        ("loads.phases[0].loads", "13 x 386.4 kN", "downward loads on shoes 1 to n at the phase&#39;s end"),
     ):
         assert "<tr>" + "".join(f"<td>{cell}</td>" for cell in row) + "</tr>" in stress_page
 
@@ -282,7 +282,7 @@ BROKEN = {
 def test_a_broken_file_is_refused_by_name(translation, tmp_path, name):
     content = translation.save(tmp_path / "history.nc").read_bytes()
     (tmp_path / name).write_bytes(BROKEN.get(name, content[: len(content) // 2]))
-    problem = "does not hold a history: " if name == "history.nc" else ""
+    problem = "must hold a history: " if name == "history.nc" else ""
     with pytest.raises(ValueError, match=f"^{re.escape(str(tmp_path / name))} {problem}"):
         write_report(tmp_path)
     assert not (tmp_path / "report.html").exists()

@@ -60,7 +60,7 @@ def write_report(
     """
     folder = Path(folder)
     if not folder.is_dir():
-        raise NotADirectoryError(f"no folder {folder}")
+        raise NotADirectoryError(f"there is no folder {folder}")
     out = folder / REPORT if out is None else Path(out)
     refuse_existing(out, overwrite)
     return page.write_page(report_page(folder, loaded), out, overwrite)
@@ -193,7 +193,7 @@ def _compared(path: Path) -> Markup:
     """Return a comparison with verdicts, and the number of rows within limits."""
     comparison = pd.read_csv(path, dtype={"within": str})
     if missing := {"class", "within"}.difference(comparison):
-        raise ValueError(f"{path} has no column {max(missing)!r} and is no comparison")
+        raise ValueError(f"{path} has no column {max(missing)!r} and is not a comparison")
     verdicts = comparison["within"]
     count = tables.within_by_class(comparison)
     shown = comparison.assign(within=verdicts.replace(VERDICTS).fillna("no verdict"))
