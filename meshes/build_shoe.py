@@ -170,7 +170,9 @@ def main(arguments: Sequence[str] | None = None) -> None:
     """Mesh a shoe into a file."""
     parser = argparse.ArgumentParser(prog="python -m meshes.build_shoe", description=(main.__doc__ or ""))
     parser.add_argument("file", type=Path, help="mesh to write, .msh or .msh.gz")
-    parser.add_argument("--size", choices=SHOE_SIZES, default="study", help="how fine; study, if not given")
+    parser.add_argument(
+        "--size", choices=SHOE_SIZES, default="study", help="fineness of the mesh; default: study"
+    )
     for field in dataclasses.fields(ShoeDimensions):
         option = f"--{field.name.replace('_', '-')}"
         parser.add_argument(

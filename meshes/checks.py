@@ -37,7 +37,7 @@ def check_extent(mesh: Mesh, name: str = "") -> None:
         cause = f"; is it in {' or '.join(likely)}?" if likely else ""
         raise ValueError(
             f"{the_mesh(name)} must be in m and no larger than {LARGEST:g} m, "
-            f"it is {extent:.4g} m long{cause}"
+            f"but it is {extent:.4g} m long{cause}"
         )
 
 

@@ -322,6 +322,8 @@ class Stations:
         acting = np.asarray(forces).any(axis=1)
         beyond = acting & ~((x >= first) & (x <= last))
         if beyond.any():
-            raise ValueError(f"x must lie in {first:g}..{last:g} m where a force acts, got {x[beyond][0]:g}")
+            raise ValueError(
+                f"x must lie in {first:g}..{last:g} m at which a force acts, got {x[beyond][0]:g}"
+            )
         shares = make_interp_spline(self.positions, np.eye(self.count), min(3, self.count - 1))
         return shares(np.clip(x, first, last))[:, :, None] * forces[:, None]

@@ -245,7 +245,7 @@ def _balanced(body: ElasticBody, loads: Mapping[str, Floats]) -> Floats:
     for name, force, rest in zip(loads, forces.T, balanced.T, strict=True):
         if np.linalg.norm(rest) <= BALANCED * np.linalg.norm(force):
             raise ValueError(
-                f"residual load {name!r} must bend the body, got one that the inertia balances at every node"
+                f"residual load {name!r} must deform the body, but the inertia balances it at every node"
             )
     return balanced
 

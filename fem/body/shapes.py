@@ -28,7 +28,7 @@ class SideBySide:
     def __init__(self, parts: Sequence[Floats]) -> None:
         if len({part.shape[:2] for part in parts}) != 1:
             raise ValueError(
-                f"parts must be of the same nodes and components, got {[part.shape for part in parts]}"
+                f"parts must have the same nodes and components, got {[part.shape for part in parts]}"
             )
         self.parts = tuple(parts)
 

@@ -114,7 +114,7 @@ def damage_on_planes(
     """
     inside = nodes[~normals[nodes].any(axis=1)]
     if len(inside):
-        raise ValueError(f"nodes must be of the surface, got {inside[:5].tolist()}")
+        raise ValueError(f"nodes must be on the surface, got {inside[:5].tolist()}")
     rows = normal_stress_rows(plane_normals(normals[nodes], angles))
     return fold_stresses(stress_modes, q, _OnPlanes(rows, counting), nodes, tolerance)
 

@@ -64,7 +64,7 @@ class Counting:
     def check(self, times: int) -> None:
         """Raise `ValueError` for a history with another number of times."""
         if times != len(self.phase):
-            raise ValueError(f"phase must be of {times} times as the history, got {len(self.phase)}")
+            raise ValueError(f"phase must have {times} times like the history, got {len(self.phase)}")
 
     @cached_property
     def cut(self) -> float:

@@ -77,8 +77,8 @@ def _rows(block: Block, row_of: dict[int, int]) -> Integers:
     missing = [node for nodes in block.nodes for node in nodes if node not in row_of]
     if missing:
         raise MeshError(
-            f"elements of the type {block.type} must have nodes that the deck has, "
-            f"it lacks {listed(np.unique(missing))}"
+            f"nodes of elements of the type {block.type} must be in the deck, "
+            f"which lacks {listed(np.unique(missing))}"
         )
     rows = [[row_of[node] for node in nodes] for nodes in block.nodes]
     return np.array(rows, dtype=np.int64).reshape(-1, NODES_OF[block.kind])

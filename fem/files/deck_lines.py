@@ -146,4 +146,4 @@ def _included(keyword: Keyword, chain: tuple[Path, ...]) -> Path:
                     f"files of a deck must not include each other, got {name!r} ({keyword.place})"
                 )
             return path
-    raise MeshError(f"{name!r}, which the deck includes, must be beside it ({keyword.place})")
+    raise MeshError(f"{name!r}, which the deck includes, must be in the same folder ({keyword.place})")

@@ -97,7 +97,7 @@ def deck_of(path: Path, text: str | None = None) -> Deck:
             raise
         except (ValueError, IndexError) as error:
             raise MeshError(
-                f"*{keyword.name} ({keyword.place}) must be as Abaqus has it: {str(error)[:100]}"
+                f"*{keyword.name} ({keyword.place}) must follow the syntax of Abaqus: {str(error)[:100]}"
             ) from error
     if not deck.nodes or not deck.blocks:
         raise MeshError("a deck must have *NODE and *ELEMENT")
@@ -151,7 +151,7 @@ def _take_nodes(deck: Deck, keyword: Keyword) -> None:
         x, y, z = (real(text) for text in (*coordinates, "", "", "")[:3])
         key = (deck.scope, int(number))
         if deck.nodes.setdefault(key, (x, y, z)) != (x, y, z):
-            raise MeshError(f"a node must have one place, got node {number} at two ({keyword.place})")
+            raise MeshError(f"a node must have one position, got node {number} at two ({keyword.place})")
     if keyword.options.get("NSET"):
         deck.node_sets.append(unquoted(keyword.options["NSET"]))
 

@@ -69,7 +69,7 @@ def read_gmsh(content: bytes) -> FileContent:
         elif section == "Entities" and scanner.version == "4.1":
             _read_entities(scanner, msh)
         elif section == "PartitionedEntities":
-            raise MeshError("it must not be parted; save it whole (gmsh: unpartition the mesh)")
+            raise MeshError("it must not be partitioned; save it whole (gmsh: unpartition the mesh)")
         elif section in ("Nodes", "ParametricNodes"):
             if scanner.version == "4.1":
                 _read_nodes(scanner, msh)
@@ -84,7 +84,7 @@ def read_gmsh(content: bytes) -> FileContent:
                 _read_old_elements(scanner, msh)
         scanner.leave_section(section)
     if not msh.cells:
-        raise MeshError("it holds no mesh as gmsh: $Elements section not found or empty")
+        raise MeshError("it holds no gmsh mesh: $Elements section not found or empty")
     return _file_content(msh)
 
 
@@ -134,7 +134,7 @@ def _read_elements(scanner: Scanner, msh: Msh) -> None:
 
 def _node_count(type_: int) -> int:
     if type_ not in gmsh_to_meshio_type:
-        raise MeshError(f"its elements must be of types that gmsh documents, got type {type_}")
+        raise MeshError(f"its elements must have types of gmsh's documentation, got type {type_}")
     kind = gmsh_to_meshio_type[type_]
     base = kind.rstrip("0123456789")
     return int(kind[len(base) :] or _LINEAR[base])
@@ -213,7 +213,7 @@ def _file_content(msh: Msh) -> FileContent:
     order = np.argsort(msh.tags, kind="stable")
     tags = msh.tags[order]
     if (tags[1:] == tags[:-1]).any():
-        raise MeshError("its nodes must have numbers of their own, got two of one number")
+        raise MeshError("its nodes must have different numbers, got two with the same")
     cells = []
     unnamed: dict[int, set[int]] = {SURFACE: set(), VOLUME: set()}
     for type_, nodes, rows_of in msh.cells:
@@ -257,7 +257,7 @@ def _rows(nodes: Integers, kind: str, tags: Integers, order: Integers) -> Intege
     if not known.all():
         missing = np.unique(nodes[~known])
         raise MeshError(
-            f"its elements must refer to its nodes, got {len(missing)} others, {missing[0]} for one"
+            f"its elements must refer to its nodes, got {len(missing)} others, such as {missing[0]}"
         )
     rows = order[place]
     return rows[:, _GMSH_TETRA10] if kind == "tetra10" else rows

@@ -46,9 +46,9 @@ def read_med(path: Path) -> FileContent:
     except MeshError:
         raise
     except OSError as error:
-        raise MeshError("it holds no mesh as med: it is no HDF5 file, or a broken one") from error
+        raise MeshError("it holds no MED mesh: it is not an HDF5 file, or broken") from error
     except (AttributeError, KeyError, TypeError, ValueError, RuntimeError) as error:  # due to missing content
-        raise MeshError(f"it holds no mesh as med: {' '.join(str(error).split())}") from error
+        raise MeshError(f"it holds no MED mesh: {' '.join(str(error).split())}") from error
 
 
 def _content(file: h5py.File) -> FileContent:
@@ -58,7 +58,7 @@ def _content(file: h5py.File) -> FileContent:
     mesh = file["ENS_MAA"][name]
     if "NOE" not in mesh:
         if len(mesh) != 1:
-            raise MeshError(f"its mesh must be of one time, got {len(mesh)}; export one alone")
+            raise MeshError(f"its mesh must have one time, got {len(mesh)}; export one alone")
         (step,) = mesh
         mesh = mesh[step]
     points = _rows(mesh["NOE"]["COO"])

@@ -141,8 +141,8 @@ def volume_mesh(content: FileContent) -> VolumeMesh:
     wild = used[~(np.abs(content.points[used]) < LARGEST_PLACE).all(axis=1)]
     if len(wild):
         raise MeshError(
-            f"coordinates must be finite and less than {LARGEST_PLACE:g}, got {len(wild)} nodes of others, "
-            f"{content.points[wild[0]].tolist()} for one"
+            f"coordinates must be finite and less than {LARGEST_PLACE:g}, got {len(wild)} nodes with others, "
+            f"such as {content.points[wild[0]].tolist()}"
         )
     elements, turned = _turned_outside(content.points, elements)
     if turned:

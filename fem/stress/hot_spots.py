@@ -189,7 +189,7 @@ def hot_spots(
         peaks = recover_peaks(body.stress_modes, q, criterion, chosen)
     elif peaks.criterion != criterion or len(peaks.nodes) != len(body.nodes):
         raise ValueError(
-            f"peaks must be of {criterion!r} at all {len(body.nodes)} nodes, "
+            f"peaks must be those of {criterion!r} at all {len(body.nodes)} nodes, "
             f"got {peaks.criterion!r} at {len(peaks.nodes)}"
         )
     else:

@@ -113,7 +113,9 @@ class StaticFields:
         """
         unknown = sorted(set(loads) - set(self.families))
         if unknown or not loads:
-            raise ValueError(f"loads must be of the families {list(self.families)}, got {unknown or 'none'}")
+            raise ValueError(
+                f"loads must belong to the families {list(self.families)}, got {unknown or 'none'}"
+            )
         times = len(next(iter(loads.values())))
         parts = []
         for name, count in self.families.items():

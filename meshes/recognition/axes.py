@@ -171,7 +171,7 @@ def _unit(
             raise ValueError(
                 f"is the unit wrong? The file names {named.name}, with which "
                 f"{_implausible(*numbers, named.metres)}; {_likely(*numbers)}: "
-                "export the shoe again in its unit"
+                "export the shoe again in its correct unit"
             )
         return named.of_nodes, []
     if chosen is not None:

@@ -195,7 +195,7 @@ def refined(triangles: Triangles, pair: PinPair) -> PinPair:
     ahead = bores.across(second.point, axis, first.point)
     pitch = float(np.linalg.norm(ahead))
     if abs(first.axis @ second.axis) < PARALLEL:
-        raise ValueError("the axes of the front and the rear pins must be parallel, they are not")
+        raise ValueError("the axes of the front and the rear pins must be parallel, but they are not")
     return PinPair((first, second), axis, ahead / pitch, pitch, pair.score)
 
 

@@ -304,7 +304,7 @@ def _of_step(path: Path, choices: Choices, size: solids.SizesOfElements) -> File
     turned = np.arccos(np.clip((np.trace(final.rows @ guess.rows.T) - 1.0) / 2.0, -1.0, 1.0))
     if turned > SAME_AXES or abs(final.pins.pitch / pair.pitch - 1.0) > SAME_AXES:
         raise ValueError(
-            "the shoe must be the same on any mesh, its axes differ by "
+            "the shoe must be the same on any mesh, but its axes differ by "
             f"{np.degrees(turned):.3g} degrees and its pitch by {final.pins.pitch - pair.pitch:.3g} mm "
             "between two: mesh it finer (--size fine)"
         )
@@ -402,7 +402,7 @@ def _of_mesh(content: VolumeMesh, choices: Choices) -> FileSolid:
     if body is None and len(parts) > 1:
         raise MeshError(
             f"the mesh must be one body, got {len(parts)} that share no nodes ({held}); --body N chooses "
-            "one, and those that are bolted together have to be meshed as one"
+            "one; parts that are bolted together must be meshed as one"
         )
     if body is not None and body in content.cell_sets:
         chosen: Integers | None = content.cell_sets[body]

@@ -133,7 +133,7 @@ def _underside(
     """Name the underside: the plate, or the tips of grousers below it."""
     parts = level_parts(local, -1.0)
     if not parts:
-        raise ValueError("the shoe must have a level underside, nothing level looks down")
+        raise ValueError("the shoe must have a level underside, but no level face is directed down")
     areas = np.array([local.areas[part].sum() for part in parts])
     heights = np.array([local.middles[part, 2].mean() for part in parts])
     stands = (areas > SOLE * local.areas.sum()) | (np.arange(len(parts)) == 0)

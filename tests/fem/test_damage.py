@@ -231,14 +231,14 @@ def test_normals_of_a_box_point_outward(cube):
     assert ((normals * (cube.nodes - 0.5)).sum(axis=1)[skin] > 0.0).all()
     np.testing.assert_allclose(np.linalg.norm(normals[skin], axis=1), 1.0, rtol=1e-6)
     inside, modes = np.setdiff1d(np.arange(len(cube.nodes)), skin)[:1], np.zeros((len(cube.nodes), 6, 1))
-    with pytest.raises(ValueError, match="nodes must be of the surface"):
+    with pytest.raises(ValueError, match="nodes must be on the surface"):
         damage_on_planes(modes, PHASE[:, None], normals, np.zeros((1, 1)), EXACT, inside)
 
 
 def test_what_cannot_be_counted_is_refused(spread):
     modes, q, counting = spread
     refused("at least 3 times to hold a cycle, got 2", Counting, CURVE, (0.9,), np.zeros(2, dtype=np.int64))
-    refused("phase must be of 699 times", recover_damage, modes, q[1:], "signed principal", counting)
+    refused("phase must have 699 times", recover_damage, modes, q[1:], "signed principal", counting)
     refused("criterion must be one of", recover_damage, modes, q, "tresca", counting)
     refused("negligible must not be negative", replace, counting, negligible=-1.0)
     refused("survival must be inside", replace, counting, survivals=())

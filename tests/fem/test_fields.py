@@ -194,10 +194,10 @@ def test_bad_fields(shoe, partition, reduced, fields):
     short, one = {"short": UnitLoads.spread(np.ones((4, 1)), partition.interfaces)}, np.zeros((1, 3))
     told = r"loads of 'short' must be on 41319 .* got 12 and 24"
     refused(told, fem.static_fields, partition, reduced, short)
-    refused(r"loads must be of the families .* got \['roof'\]", fields.coordinates, {"roof": one})
+    refused(r"loads must belong to the families .* got \['roof'\]", fields.coordinates, {"roof": one})
     refused("got none", fields.coordinates, {})
     refused("loads of 'rail' must have 15 coordinates, got 3", fields.coordinates, {"rail": one})
     refused("histories must be at least one, got none", fem.field_columns, shoe, fields, [])
     refused(r"histories must be \(times, 57\), got \(1, 3\)", fem.field_columns, shoe, fields, [one])
     refused("histories must be finite", fem.field_columns, shoe, fields, [np.full((1, 57), np.nan)])
-    refused("parts must be of the same nodes", fem.SideBySide, (np.zeros((3, 6, 1)), np.zeros((4, 6, 1))))
+    refused("parts must have the same nodes", fem.SideBySide, (np.zeros((3, 6, 1)), np.zeros((4, 6, 1))))

@@ -94,7 +94,7 @@ def test_groups_without_names_or_without_elements_are_noted(tmp_path, box, patch
     [
         ((b"4.1 0 8", b"4 0 8"), "version must be 4.1 or 2.2, got 4; save it in version 4.1 or 2.2"),
         ((b"$MeshFormat\n4.1 0 8\n$EndMeshFormat", b"$NOD"), r"must begin with \$MeshFormat, got \$NOD"),
-        ((b"$Entities", b"$PartitionedEntities"), "must not be parted"),
+        ((b"$Entities", b"$PartitionedEntities"), "must not be partitioned"),
         ((b"$EndElements", b""), r"end of its section \$Elements, it ends early"),
         ((b"$Nodes\n1 ", b"$Nodes\n2 "), "it ends early"),
         ((b"$Nodes\n1 ", b"$Nodes\n1x "), "could not convert string to float"),
@@ -135,7 +135,9 @@ def test_shells_of_nodes_that_are_not_there_are_refused(tmp_path, box):
 
 def test_broken_med_files_are_refused_in_a_line(tmp_path):
     (tmp_path / "m.med").write_bytes(b"junk")
-    refused("m.med must be a mesh .* no HDF5 file", fem.read_mesh, tmp_path / "m.med", error=fem.MeshError)
+    refused(
+        "m.med must be a mesh .* not an HDF5 file", fem.read_mesh, tmp_path / "m.med", error=fem.MeshError
+    )
 
 
 @pytest.mark.parametrize("suffix", [".vtu", ".vtk", ".bdf"])

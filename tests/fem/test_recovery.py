@@ -278,6 +278,6 @@ def test_bad_requests(small, history):
     refused("count must be at least 1, got 0", spots, small, times, history, 0)
     refused("times must be as many as the rows of q, got 699 and 700", spots, small, times[1:], history)
     peaks = fem.recover_peaks(modes, history, "greatest shear")
-    refused("peaks must be of 'von mises' at all", spots, small, times, history, peaks=peaks)
+    refused("peaks must be those of 'von mises' at all", spots, small, times, history, peaks=peaks)
     refused("radius must be positive, got 0", fem.Apart, 0.0)
     refused(r"fraction must lie inside \(0, 1\), got 1", fem.OneARegion, 1.0)

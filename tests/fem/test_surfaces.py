@@ -154,7 +154,7 @@ def test_bad_places(shoe, underside):
     refused(r"reach must lie in \(0, 0.315\] m.* got 0.4", Stations, underside, 3, 0.4)
     stations, x = Stations(underside, 3, 0.1), np.array([0.1, 0.4])
     refused(r"x must lie in -0.315..0.315 m, got 0.1..0.4", stations.weights_at, x)
-    refused(r"x must lie in .* where a force acts, got 0.4", stations.coordinates, np.ones((2, 3)), x)
+    refused(r"x must lie in .* at which a force acts, got 0.4", stations.coordinates, np.ones((2, 3)), x)
     assert not stations.coordinates(np.zeros((1, 3)), np.array([0.4])).any()
 
 
