@@ -31,7 +31,7 @@ SHOES, PROCESSES, RUNS = (38, 40), 6, 5
 
 
 def longer_loop(case: Case, shoes: int) -> Case:
-    """A closed track of so many shoes, whose tumbler and idler stand half of what is added farther out."""
+    """Return a closed track with a number of shoes; tumbler and idler move apart by the added length."""
     frame = case.part(Closed)
     more = 0.25 * (shoes - case.track.shoe_count) * case.track.pitch
     (rear, height), (front, low) = frame.tumbler.place, frame.idler.place
@@ -73,7 +73,7 @@ def spent(case: Case, interval: float) -> float:
 
 
 def step_times(case: Case) -> np.ndarray:
-    """Wall s of every step of a run as it is made by default, and at the end of its history."""
+    """Return the wall time (s) of every step of a default run, and of the end of its history."""
     stamps: list[float] = []
     store = Recorder.store
 

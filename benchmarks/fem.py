@@ -1,7 +1,7 @@
 """Time the finite-element reduction and the stress recovery on the shoe's study mesh.
 
-The yardstick of the reduction is Exudyn's own RBE2 Craig-Bampton routine on the same matrices,
-that of the recovery the bare matrix product that it needs.
+The reference of the reduction is Exudyn's own RBE2 Craig-Bampton routine on the same matrices; the
+reference of the recovery is its bare matrix product.
 """
 
 import os
@@ -76,11 +76,11 @@ def main(*, yardstick: bool = True, size: str = "study") -> None:
         f"{product:.2f} s, ratio {recovery / product:.2f}"
     )
     extremes(reduced)
-    kept(body, interfaces)
+    stored_reduction(body, interfaces)
 
 
 def extremes(reduced: fem.ReducedBody) -> None:
-    """Print what a search of extremes takes at a reduced rank and at full rank, and how well they agree."""
+    """Print the time of a search for extremes at low rank and at full rank, and their difference."""
     rng = np.random.default_rng(1)
     t = np.linspace(0.0, 1.0, ROWS)[:, None]
     slow = np.sin(2 * np.pi * (t * np.arange(1, 31) + rng.random(30))) @ rng.standard_normal(
@@ -95,13 +95,13 @@ def extremes(reduced: fem.ReducedBody) -> None:
         spent[tolerance] = time.process_time() - started
     off = np.abs(found[1e-3].greatest / found[None].greatest - 1.0).max()
     print(
-        f"extremes of {ROWS} rows, processor time: {spent[1e-3]:.2f} s at reduced rank, "
+        f"extremes of {ROWS} rows, processor time: {spent[1e-3]:.2f} s at low rank, "
         f"{spent[None]:.2f} s at full rank, ratio {spent[None] / spent[1e-3]:.1f}; peaks agree to {off:.0e}"
     )
 
 
-def kept(body: fem.ElasticBody, interfaces: list[fem.Interface]) -> None:
-    """Print what a reduction from disk takes, and the reduction with fewer modes out of it."""
+def stored_reduction(body: fem.ElasticBody, interfaces: list[fem.Interface]) -> None:
+    """Print the time to read a reduction from disk, and to derive one with fewer modes from it."""
     with tempfile.TemporaryDirectory() as folder:
         fem.cached_craig_bampton(folder, body, interfaces, 76)
         started = time.perf_counter()

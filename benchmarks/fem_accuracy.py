@@ -49,7 +49,7 @@ def peaks_of_pin_loads(body: fem.ElasticBody, spider: Spider) -> None:
 
 
 def residual_modes(size: str) -> None:
-    """Print what the stress of each distributed load loses without its residual mode."""
+    """Print the error of the stress of each distributed load without its residual mode."""
     body = fem.ElasticBody(meshes.shoe_mesh(size), meshes.STEEL)
     partition = fem.Partition(body, meshes.joint_interfaces(body.mesh, "rigid"))
     reduced = fem.craig_bampton(body, partition.interfaces, 76, partition=partition)

@@ -65,7 +65,7 @@ def timed(case: Case, duration: float) -> tuple[dict[str, float], NDArray]:
 
 
 def beside(case: Case, duration: float, engine: bool = True) -> dict[str, object]:
-    """Medians of both formulations and their ratio; the engine's only where it is asked for."""
+    """Return the medians of both formulations and their ratio, or of the compiled one alone."""
     names = ("compiled", "engine") if engine else ("compiled",)
     found: dict[str, list[float]] = {name: [] for name in names}
     ends: dict[str, NDArray] = {}
@@ -113,7 +113,7 @@ def units(columns: int, rows: int) -> Case:
 
 
 def growths() -> Iterator[dict[str, object]]:
-    """A row a case: what grows, how much of it, and what a step takes."""
+    """Yield a row for each case: growing quantity, its number, and time of a step."""
     for duration in (0.5, 1.0, 2.0, 4.0):
         yield {"what": "simulated s", "number": duration} | beside(Case.translation(), duration)
     for shoes in (6, 13, 26):

@@ -1,9 +1,9 @@
 """Memory of a long duty: ``python -m benchmarks.long_duty [SECONDS [SHOES]]``, or ``SECONDS sand``.
 
-Rigid shoes, three if not said otherwise, go to and fro; or the machine over 24 rigid shoes on LETE sand, with
-all results and the page. Stages go to disk as they end, so that memory should not grow with the simulated
-time. Prints the process's memory at checkpoints, its growth a simulated second by
-a straight line over the second half, and what an hour would come to by that.
+Rigid shoes (default: three) travel to and fro; or the machine over 24 rigid shoes on LETE sand, with all
+results and the page. Stages go to disk as they end, so that memory should not grow with the simulated time.
+Prints the process's memory at checkpoints, and its growth a simulated second by a straight line over the
+second half. Extrapolates the memory of an hour by this line.
 """
 
 import math

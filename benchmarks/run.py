@@ -1,4 +1,4 @@
-"""All benchmarks; `benchmarks/README.md` keeps what they printed on a named machine.
+"""All benchmarks; `benchmarks/README.md` has their output on a named machine.
 
 `python -m benchmarks.run FOLDER` also writes growth.csv and growth.png for docs/speed.md.
 """

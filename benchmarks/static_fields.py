@@ -86,7 +86,7 @@ def between_stations(shoe: Shoe) -> None:
 
 
 def between_grid_points(shoe: Shoe) -> None:
-    """Print what the underside's grid leaves open of pressures that jump at the seams of units."""
+    """Print the error of the underside's grid for pressures that jump at the seams of units."""
     under = flat_parts(shoe.body.mesh, "underside")[0]
     rng = np.random.default_rng(6)
     corners = []

@@ -1,7 +1,7 @@
-"""The stress study: wall time of its parts, and what integrating fewer modes loses.
+"""Stress study: wall time of its parts, and error by fewer integrated modes.
 
-Two windows, one of propel and one of loading, are integrated with the default modes and with all 94, from the
-same state, and their peak von Mises stresses compared.
+Two windows, one of propel and one of loading, are integrated from the same state with the default modes and
+with all 94. Their peak von Mises stresses are compared.
 """
 
 import tempfile
@@ -76,7 +76,7 @@ def _state(case: Case, time: float) -> tuple[np.ndarray, History]:
 
 
 def _in_all_modes(history: History, state: np.ndarray, whole: Case) -> np.ndarray:
-    """State row of the track with all modes: what is not integrated stands where its loads hold it."""
+    """Return the state of the track with all modes; further modes follow their loads statically."""
     units, flexible = unit_loads(history.case), history.case.part(FlexibleShoes)
     alone = History(history.case.with_(flexible=flexible.with_(static_fields=False)), history.dataset)
     few, all_modes = compiled_system(history.case).layout, compiled_system(whole).layout

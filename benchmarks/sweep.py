@@ -40,9 +40,9 @@ def short_sweep(count: int) -> Sweep:
 
 
 def short_runs(workers: int) -> dict[str, float]:
-    """Wall time of all runs on some workers that have done one before, and what of it are the runs.
+    """Return the wall time of all runs on warm workers, and the share of the runs in it.
 
-    The start of the workers and their first runs, in which they load the program, are stated apart.
+    The start of the workers and their first runs, which load the program, are separate values.
     """
     sweep = short_sweep(RUNS + workers)
     with TemporaryDirectory() as folder:

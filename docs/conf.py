@@ -71,7 +71,7 @@ def _fields(kind: type[BaseModel]) -> list[str]:
 
 
 def tell_parameters(_app: Any, what: str, _name: str, value: Any, _options: Any, lines: list[str]) -> None:
-    """Add what a parameter class takes to its docstring, and keep colons of constants from napoleon."""
+    """Add the parameters of a class to its docstring, and hide colons of constants from napoleon."""
     if what == "class" and getattr(value, "__pydantic_fields__", None):
         lines += _fields(value)
     if what in CONSTANTS:
@@ -79,18 +79,18 @@ def tell_parameters(_app: Any, what: str, _name: str, value: Any, _options: Any,
 
 
 def restore_colons(_app: Any, what: str, _name: str, _value: Any, _options: Any, lines: list[str]) -> None:
-    """Put the colons of constants back, of which napoleon would take the first for the end of a type."""
+    """Restore the colons of constants; napoleon would read the first one as the end of a type."""
     if what in CONSTANTS:
         lines[:] = [line.replace(COLON, ":") for line in lines]
 
 
 def short_signature(_app: Any, what: str, _name: str, value: Any, *_: Any) -> tuple[str, None] | None:
-    """Leave to the section of its parameters what a parameter class takes."""
+    """Leave the parameters of a class to the section of its parameters."""
     return ("(**values)", None) if what == "class" and getattr(value, "__pydantic_fields__", None) else None
 
 
 def setup(app: Any) -> None:
-    """Connect what is said of parameters before numpy's sections are read, and after."""
+    """Connect both functions: one before numpy's sections are read, one after."""
     app.connect("autodoc-process-docstring", tell_parameters, priority=400)
     app.connect("autodoc-process-docstring", restore_colons, priority=600)
     app.connect("autodoc-process-signature", short_signature)

@@ -122,7 +122,7 @@ def _targets(node: ast.stmt) -> list[str]:
 
 @cache
 def classes() -> dict[str, ast.ClassDef]:
-    """Classes of the code by their names, each of which stands once."""
+    """Return the classes of the code by their names, which are unique."""
     nodes = (node for path in rooms.modules().values() for node in ast.walk(_tree(path)))
     return {node.name: node for node in nodes if isinstance(node, ast.ClassDef)}
 

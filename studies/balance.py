@@ -89,10 +89,10 @@ def _shoes(history: History) -> _Motion:
 def _side_frame(history: History) -> _Motion:
     """Return the motion of the side frame or the machine; raise `ValueError` for drawbars, bogies or arms."""
     if history.case.drive.slip is not None:
-        raise ValueError("balances leave out drawbars: drive.slip must be none")
+        raise ValueError("drive.slip must be none: balances do not include drawbars")
     for kind in ("bogie", "arm"):
         if history.has(f"{kind}_angle"):
-            raise ValueError(f"balances leave out {kind}s: gear.{kind}s must be empty")
+            raise ValueError(f"gear.{kind}s must be empty: balances do not include {kind}s")
     parts = history.case.frame_parts
     mass = sum(part.mass for part in parts)
     center = sum(part.mass * part.com for part in parts) / mass

@@ -46,19 +46,19 @@ LIVES = ("propel_and_material", "region", "life in h at least", "life in h at mo
 """Columns of hot spots, and of lives, that are shown first if not all fit."""
 REGIONS = "Highest von Mises stress by region of the shoe"
 Propel = Literal["translation", "turning", "both"]
-Chosen = Annotated[Propel, typer.Option(help="what to run")]
+Chosen = Annotated[Propel, typer.Option(help="propel motion to run")]
 Ground = StrEnum("Ground", ["step", "ramp", "rough"])
-Duration = Annotated[float, typer.Option(help="simulated time in s", callback=_positive)]
+Duration = Annotated[float, typer.Option(help="simulated time, s", callback=_positive)]
 AtMost = Annotated[
     float | None,
-    typer.Option(help="simulated time in s of every case; all of each, if not given", callback=_positive),
+    typer.Option(help="simulated time of every case, s; default: the whole case", callback=_positive),
 ]
-MeshName = Annotated[str, typer.Option(help="coarse, study or fine, or the path of a mesh")]
+MeshName = Annotated[str, typer.Option(help="mesh: coarse, study or fine, or the path of a file")]
 Variants = Annotated[
-    bool, typer.Option("--variants", help="show instead every row under variants of the contact and the shoe")
+    bool, typer.Option("--variants", help="show every row under variants of the contact and the shoe instead")
 ]
 Choices = Annotated[
-    bool, typer.Option("--choices", help="show instead the effect of the study's open choices, over 8 s")
+    bool, typer.Option("--choices", help="show the effect of the study's open choices over 8 s instead")
 ]
 
 
@@ -95,7 +95,7 @@ def forces(
     out: Out = RESULTS / "forces",
     reuse: Annotated[
         Path | None,
-        typer.Option(help=f"folder of runs to reuse; {KINEMATICS} where they fit, if not given"),
+        typer.Option(help=f"folder of runs to reuse; default: {KINEMATICS}, if they match"),
     ] = None,
     overwrite: Overwrite = False,
     variants: Variants = False,
@@ -127,7 +127,7 @@ def stress(
             "the others follow without inertia"
         ),
     ] = None,
-    cycle: Annotated[Path | None, typer.Option(help="file of your load cycle, TOML or CSV")] = None,
+    cycle: Annotated[Path | None, typer.Option(help="file of a load cycle, TOML or CSV")] = None,
     out: Out = RESULTS / "stress",
     overwrite: Overwrite = False,
     choices: Choices = False,
@@ -164,7 +164,7 @@ def stress(
 def uneven(
     grounds: Annotated[
         list[Ground] | None,
-        typer.Argument(help="grounds to run over; all, if none is given", metavar="[step|ramp|rough]..."),
+        typer.Argument(help="grounds to run over; default: all", metavar="[step|ramp|rough]..."),
     ] = None,
     duration: Duration = DURATION,
     out: Out = RESULTS / "uneven",
@@ -180,10 +180,10 @@ def uneven(
 @command("python -m studies shovel-life --stress results/stress --out results/life")
 def shovel_life(
     stress: Annotated[
-        Path, typer.Option(help="folder of the stress study, which is run there where it is missing")
+        Path, typer.Option(help="folder of the stress study; missing runs are made there")
     ] = RESULTS / "stress",
     rollers: Annotated[
-        Path | None, typer.Option(help="folder of the rollers study, whose runs stand beside the dragged")
+        Path | None, typer.Option(help="folder of the rollers study, for comparison with the dragged runs")
     ] = None,
     out: Out = RESULTS / "life",
     overwrite: Overwrite = False,
@@ -219,7 +219,7 @@ def rollers(
 def closed(
     duration: AtMost = None,
     flexible: Annotated[
-        int, typer.Option(min=0, help="shoe of the closed track that is flexible, with its stress; 0: none")
+        int, typer.Option(min=0, help="number of the flexible shoe of the closed track; 0: none")
     ] = 7,
     mesh: MeshName = "coarse",
     out: Out = RESULTS / "closed",
@@ -245,7 +245,7 @@ def grounds(
     duration: Duration = 60.0,
     mesh: MeshName = "coarse",
     powers: Annotated[
-        bool, typer.Option("--powers", help="run rigid shoes instead, and show where the pull goes")
+        bool, typer.Option("--powers", help="run rigid shoes instead, and show the power balance of the pull")
     ] = False,
     out: Out = RESULTS / "ground",
     overwrite: Overwrite = False,
@@ -270,7 +270,9 @@ def grounds(
 
 @command("python -m studies plate-sweep --out results/plate_sweep")
 def plate_sweep(
-    workers: Annotated[int | None, typer.Option(help="processes; one a core, if not given", min=1)] = None,
+    workers: Annotated[
+        int | None, typer.Option(help="number of processes; default: one for each core", min=1)
+    ] = None,
     out: Out = RESULTS / "plate_sweep",
 ) -> None:
     """Sweep top plate and ground against the life of the roller path; the same command continues."""
@@ -284,7 +286,7 @@ def plate_sweep(
 
 @command("python -m studies sliding-modes --out results/sliding_modes")
 def sliding_modes(
-    runs: Annotated[bool, typer.Option("--runs", help="make the 10 s runs, too: ten minutes")] = False,
+    runs: Annotated[bool, typer.Option("--runs", help="include the 10 s runs (ten minutes)")] = False,
     out: Out = RESULTS / "sliding_modes",
     overwrite: Overwrite = False,
 ) -> None:
@@ -308,7 +310,9 @@ def verify() -> None:
 
 @command("python -m studies measurements --runs")
 def measurements(
-    runs: Annotated[bool, typer.Option("--runs", help="trends that need runs, too: some minutes")] = False,
+    runs: Annotated[
+        bool, typer.Option("--runs", help="include trends that need runs (some minutes)")
+    ] = False,
     out: Out = RESULTS / "measurements",
 ) -> None:
     """Compare the program with public measurements: numbers, and trends if only those are published."""

@@ -2,11 +2,11 @@
 
 The tables of the papers name quantities in words (``shoe 13 x displacement``, ``any shoe z velocity``) and
 statistics (``max abs``, ``mean over 10 s``). This module parses both, so that a comparison needs only a row
-of the reported values: `reported.csv` has one number per row, each with its source. The class of a row says
-what governs its value, and with it the tolerance:
+of the reported values: `reported.csv` has one number per row, each with its source. The class of a row
+names the cause of its value, which determines the tolerance:
 
 ============  ======================================  ==========================
-class         what governs it                         within
+class         cause of the value                      within
 ============  ======================================  ==========================
 exact         algebra of the equations                0.01 %
 prescribed    the drive                               1 %

@@ -1,9 +1,9 @@
 """Flutter of an uneven track on rolling units: growth of its least stable swing by unevenness.
 
-The law of a pair is not conservative. With depth d, roll a and width W of an underside the penetration is ``d
-+ a**2 W**2 / (12 d)``, and the force acts ``a W**2 / (12 d)`` beside the middle. Heave and roll of a rolled
-shoe couple more in one direction than in the other. Beyond a threshold their swings feed each other. Here the
-equations of the whole track are linearized about its equilibrium without friction.
+The law of a pair is not conservative. An underside has depth d, roll a and width W. Its penetration is
+``d + a**2 W**2 / (12 d)``, and its force acts ``a W**2 / (12 d)`` beside the middle. Heave and roll of a
+rolled shoe couple more in one direction than in the other. Beyond a threshold their swings feed each other.
+Here the equations of the whole track are linearized about its equilibrium without friction.
 """
 
 from collections.abc import Sequence

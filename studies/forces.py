@@ -2,8 +2,8 @@
 
 Reproduces the F-paper ("Contact and Joint Forces Modeling and Simulation of Crawler-Formation Interactions")
 on the two runs of the K-paper. It compares the stated extremes and means of contact and joint forces,
-penetration, slip and terrain deformation. It draws the figures of shoes 1, 4, 7, 10 and 13, of shoe 7 as it
-crosses from unit to unit, and of shoe 10 and link 10-11 turning against translation.
+penetration, slip and terrain deformation. It draws the figures of shoes 1, 4, 7, 10 and 13, and
+of shoe 7 as it crosses from unit to unit. It compares shoe 10 and link 10-11 in turn and translation.
 
 The paper takes its least, greatest and mean values from the shoes and links that it draws; so does every row
 here about "a shoe", "shoes" or "joints". It prints means of forces and torques as magnitudes, so magnitudes

@@ -58,7 +58,7 @@ def uneven_case(ground: str) -> Case:
     shoes above its heights. Raises `ValueError` for an unknown ground.
     """
     if ground not in GROUNDS:
-        raise ValueError(f"ground must be of {list(GROUNDS)}, got {ground!r}")
+        raise ValueError(f"ground must be one of {', '.join(GROUNDS)}, got {ground!r}")
     spheres = SphereContact.oil_sand().with_(faces="drawn_back")
     # contact by spheres has no fingers
     return Case.translation().with_(

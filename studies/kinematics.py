@@ -27,7 +27,7 @@ COMPARED_SHOE = 10  # shoe that the K-chapter draws turning against translation
 def case_files(names: Sequence[str] = tuple(CASES), duration: float = DURATION) -> dict[str, CaseFile]:
     """Return the cases of the rigid studies over a duration (s); `ValueError` for an unknown one or none."""
     if not names or set(names) - set(CASES):
-        raise ValueError(f"cases must be of {list(CASES)}, got {list(names)}")
+        raise ValueError(f"cases must be among {', '.join(CASES)}, got {list(names)}")
     return {name: CaseFile(case=CASES[name](), duration=duration) for name in names}
 
 

@@ -121,7 +121,7 @@ def lives_figure(dataset: xr.Dataset) -> Figure:
 def study(
     out: Path, *, workers: int | None = None, say: Callable[[str], None] = lambda _text: None
 ) -> SweepRun:
-    """Run what the sweep lacks, and draw lives; errors are those of `plate_meshes` and `run_sweep`."""
+    """Run the sweep's missing runs, and draw lives; errors are those of `plate_meshes` and `run_sweep`."""
     meshes = plate_meshes(out / "meshes", THICKNESSES, say)
     run = run_sweep(plate_sweep(meshes), out, workers=workers, say=say)
     run.check_answers()

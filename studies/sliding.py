@@ -107,9 +107,11 @@ def check_sliding(case: Case, speed: float) -> None:
     if not case.part(Terrain).is_even:
         raise ValueError("terrain.relief must be level: a track has no steady state over hills")
     if case.drive.turn_rate is not None:
-        raise ValueError("drive.turn_rate must be None: a track that turns has no steady state")
+        raise ValueError("drive.turn_rate must be none: a track that turns has no steady state")
     if case.part(Terrain).tilt == "roll":
-        raise ValueError("terrain.tilt must be 'pitch': units that roll push a track off their middle aside")
+        raise ValueError(
+            "terrain.tilt must be 'pitch': units that roll push a track sideways if it is not on their middle"
+        )
 
 
 def steady_sliding(case: Case, speed: float, travel: float = 0.0) -> SteadySliding:

@@ -76,7 +76,7 @@ def test_both_cases_are_drawn_against_each_other_and_overwritten_when_asked(tmp_
 
 
 def test_unknown_cases_are_refused():
-    told = r"cases must be of \['translation', 'turning'\], got \['sideways'\]"
+    told = r"cases must be among translation, turning, got \['sideways'\]"
     with pytest.raises(ValueError, match=told):
         kinematics_study(None, ["sideways"], duration=0.01)
 

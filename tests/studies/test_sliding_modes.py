@@ -188,7 +188,7 @@ def test_what_has_no_steady_sliding_is_refused():
         sliding_modes(Case.translation(), 0.0)
     with pytest.raises(ValueError, match=r"contact\.model must be 'pair', got 'spheres'"):
         steady_sliding(Case.translation().with_(contact=SphereContact.oil_sand()), SPEED)
-    with pytest.raises(ValueError, match=r"drive\.turn_rate must be None"):
+    with pytest.raises(ValueError, match=r"drive\.turn_rate must be none"):
         steady_sliding(Case.turning(), SPEED)
     with pytest.raises(ValueError, match=r"terrain\.tilt must be 'pitch'"):
         steady_sliding(Case.translation(), SPEED)
