@@ -13,7 +13,7 @@ from exudyn_crawler.case.parameters.checks import warn_of
 from exudyn_crawler.case.parameters.terrain import CellContact
 from exudyn_crawler.case.parameters.track import FlexibleShoes
 from exudyn_crawler.machines import CaseFile, check_case_file
-from exudyn_crawler.machines.datasheet.discrepancies import odd_machine
+from exudyn_crawler.machines.datasheet.discrepancies import machine_discrepancies
 from exudyn_crawler.model import flexible_shoes, reductions as cache
 from exudyn_crawler.results.history.history import History
 from exudyn_crawler.results.stress import basis, recovery
@@ -86,7 +86,7 @@ def run_case(
         flexible_shoes.check_shoe(case)
     if isinstance(case.terrain, CellTerrain):
         case.terrain.earlier(case.part(CellContact).law)
-    warn_of(odd_machine(case_file))
+    warn_of(machine_discrepancies(case_file))
     case = solved_for_tension(case, progress)
     case_file = case_file.with_(case=case)
     outputs = case_file.outputs

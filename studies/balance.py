@@ -23,7 +23,7 @@ from exudyn_crawler.results.history.history import History
 from exudyn_crawler.results.loads import actions as acting
 from exudyn_crawler.results.loads.kinds import Kind
 from exudyn_crawler.results.loads.load_map import loads_by_kind, unit_loads
-from exudyn_crawler.results.loads.places import PINS, PinsOfShoe, Point
+from exudyn_crawler.results.loads.locations import PINS, PinsOfShoe, Point
 
 FREEDOMS = ("travel", "sway", "heave", "roll", "pitch", "yaw")
 """Names of a side frame's balances in the order of its coordinates."""

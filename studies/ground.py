@@ -106,7 +106,7 @@ def covered(history: History) -> np.ndarray:
     return (x * y).sum(axis=1)
 
 
-def kept_work(
+def retained_work(
     history: History, sinkage: xr.DataArray, pressure: xr.DataArray, share: ArrayLike = 1.0
 ) -> float:
     """Return the work (J) that cells keep after loading to their greatest sinkages (m) and pressures (Pa).
@@ -142,8 +142,8 @@ def work_balance(history: History) -> dict[str, float]:
     if history.has("cell_sinkage_then"):
         begin = history.dataset.isel(ground_time=0)
         share = covered(history)
-        end = kept_work(history, history.cell_sinkage, history.cell_pressure, share)
-        start = kept_work(history, begin.cell_sinkage_then, begin.cell_pressure_then, share)
+        end = retained_work(history, history.cell_sinkage, history.cell_pressure, share)
+        start = retained_work(history, begin.cell_sinkage_then, begin.cell_pressure_then, share)
         works["kept by the ground"] = end - start
     return {f"{name}, kN over the distance": work / (x[-1] - x[0]) / KILO for name, work in works.items()}
 

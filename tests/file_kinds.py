@@ -21,7 +21,7 @@ from exudyn_crawler.co_simulation import SteppedRun
 from exudyn_crawler.ground.cells.laws import bekker, read_law
 from exudyn_crawler.machines import CaseFile
 from exudyn_crawler.machines.case_file import case_text
-from exudyn_crawler.machines.datasheet.discrepancies import odd_values
+from exudyn_crawler.machines.datasheet.discrepancies import implausible_values
 from exudyn_crawler.machines.datasheet.library import machines
 from exudyn_crawler.model import flexible_shoes
 from exudyn_crawler.results.checks.cases import read_check
@@ -97,7 +97,7 @@ def npy_of(text: str) -> bytes:
 
 def _case(path: Path) -> None:
     file = read_case(path)
-    checks.warn_of(odd_values(file))
+    checks.warn_of(implausible_values(file))
 
 
 def _run_case(path: Path) -> None:

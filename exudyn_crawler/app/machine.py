@@ -7,7 +7,7 @@ from nicegui import events, ui
 from exudyn_crawler.app.document import Document
 from exudyn_crawler.app.form import FormPart, below, in_words, pick_list, refuse
 from exudyn_crawler.machines.datasheet import library
-from exudyn_crawler.machines.datasheet.discrepancies import odd_values
+from exudyn_crawler.machines.datasheet.discrepancies import implausible_values
 from exudyn_crawler.machines.datasheet.files import KEY
 from exudyn_crawler.settings import fields
 from exudyn_crawler.views.scenes.plots import side_figure, space_figure
@@ -44,7 +44,7 @@ class Drawing:
             except ValueError as error:
                 ui.label(str(error)).classes("refused")
                 return
-            for line in odd_values(case_file):
+            for line in implausible_values(case_file):
                 ui.label(line).classes("warning")
         self.side.update_figure(side_figure(solids))
         self.space.update_figure(space_figure(solids))

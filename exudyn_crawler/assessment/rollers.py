@@ -1,6 +1,6 @@
 """Loads of the lower rollers of one track on even ground and on uneven supports.
 
-Rollers have places x along the side frame and only push. The uneven supports are a convention of this
+Rollers have positions x along the side frame and only push. The uneven supports are a convention of this
 assessment (assumed): no rule for the rollers of large crawlers was found in any source.
 """
 
@@ -12,26 +12,26 @@ NEGLIGIBLE = 1e-12
 """Fraction of the load that counts as zero."""
 
 
-def even_loads(load: Numbers, centre: Numbers, places: Floats, parts: Floats | None = None) -> Floats:
+def even_loads(load: Numbers, centre: Numbers, positions: Floats, parts: Floats | None = None) -> Floats:
     """Return loads (..., rollers) on even ground, N: P w (1 / W + e (x - x_m) / sum(w (x - x_m)^2)).
 
-    `load` (N) acts at x = `centre` (m), one or several (...,). Supports at `places` (m) have the stiffness
+    `load` (N) acts at x = `centre` (m), one or several (...,). Supports at `positions` (m) have the stiffness
     `parts` w: 1 for a roller, 2 for a bogie of two; None: 1 each (rigid frame, derived). Supports that would
     pull bear nothing. Raise `ValueError` if a load is not between the outer supports.
     """
-    places = np.asarray(places, dtype=float)
-    stiff = np.ones(len(places)) if parts is None else np.asarray(parts, dtype=float)
+    positions = np.asarray(positions, dtype=float)
+    stiff = np.ones(len(positions)) if parts is None else np.asarray(parts, dtype=float)
     load, centre = np.asarray(load, dtype=float), np.asarray(centre, dtype=float)
-    if centre.min() < places.min() or centre.max() > places.max():
-        between = f"rollers from {places.min():.4g} to {places.max():.4g} m"
-        farthest = float(centre.max() if centre.max() > places.max() else centre.min())
+    if centre.min() < positions.min() or centre.max() > positions.max():
+        between = f"rollers from {positions.min():.4g} to {positions.max():.4g} m"
+        farthest = float(centre.max() if centre.max() > positions.max() else centre.min())
         raise ValueError(f"a load must be between its {between}, got x = {farthest:.4g} m")
-    bears = np.ones((*centre.shape, len(places)), dtype=bool)
+    bears = np.ones((*centre.shape, len(positions)), dtype=bool)
     while True:
         w = np.where(bears, stiff, 0.0)
         whole = w.sum(axis=-1, keepdims=True)
-        middle = (w * places).sum(axis=-1, keepdims=True) / whole
-        arm = places - middle
+        middle = (w * positions).sum(axis=-1, keepdims=True) / whole
+        arm = positions - middle
         spread = (w * arm**2).sum(axis=-1, keepdims=True)
         share = w * (1.0 / whole + (centre[..., None] - middle) * arm / np.where(spread > 0.0, spread, 1.0))
         pulls = (share.min(axis=-1) < -NEGLIGIBLE) & (bears.sum(axis=-1) > 2)
@@ -43,47 +43,47 @@ def even_loads(load: Numbers, centre: Numbers, places: Floats, parts: Floats | N
         )
 
 
-def two_loads(load: Numbers, centre: Numbers, places: Floats, pair: tuple[Numbers, Numbers]) -> Floats:
+def two_loads(load: Numbers, centre: Numbers, positions: Floats, pair: tuple[Numbers, Numbers]) -> Floats:
     """Return loads (..., rollers), N, if two rollers, from 0, bear all: R_i = P (x_j - x_c) / (x_j - x_i).
 
     The loads are one or several (...,), each with its pair of rollers (lever, derived). Raise `ValueError` if
     a load is not between its rollers.
     """
-    places = np.asarray(places, dtype=float)
+    positions = np.asarray(positions, dtype=float)
     load, centre = np.asarray(load, dtype=float), np.asarray(centre, dtype=float)
-    numbers = [np.broadcast_to(np.asarray(number) % len(places), centre.shape) for number in pair]
-    first, second = (places[number] for number in numbers)
+    numbers = [np.broadcast_to(np.asarray(number) % len(positions), centre.shape) for number in pair]
+    first, second = (positions[number] for number in numbers)
     outside = (centre < np.minimum(first, second)) | (centre > np.maximum(first, second))
     if outside.any():
         x, low, high = (float(np.extract(outside, values)[0]) for values in (centre, first, second))
         raise ValueError(f"a load at x = {x:.4g} m must be between {low:.4g} and {high:.4g} m")
     share = (second - centre) / (second - first)
-    loads = np.zeros((*centre.shape, len(places)))
+    loads = np.zeros((*centre.shape, len(positions)))
     for number, part in zip(numbers, (share, 1.0 - share), strict=True):
         np.put_along_axis(loads, number[..., None], (load * part)[..., None], axis=-1)
     return loads
 
 
-def _nearest(centre: Numbers, places: Floats) -> np.ndarray:
+def _nearest(centre: Numbers, positions: Floats) -> np.ndarray:
     """Return the number, from 0, of the roller nearest to each place (m): array (...,)."""
-    return np.abs(np.asarray(places) - np.asarray(centre)[..., None]).argmin(axis=-1)
+    return np.abs(np.asarray(positions) - np.asarray(centre)[..., None]).argmin(axis=-1)
 
 
-def neighbours(centre: Numbers, places: Floats) -> tuple[np.ndarray, np.ndarray]:
+def neighbours(centre: Numbers, positions: Floats) -> tuple[np.ndarray, np.ndarray]:
     """Return the numbers, from 0, of the rollers on both sides of the one nearest to a place (m)."""
-    nearest = _nearest(centre, places)
-    return np.maximum(nearest - 1, 0), np.minimum(nearest + 1, len(places) - 1)
+    nearest = _nearest(centre, positions)
+    return np.maximum(nearest - 1, 0), np.minimum(nearest + 1, len(positions) - 1)
 
 
-def one_load(load: Numbers, centre: Numbers, places: Floats) -> Floats:
+def one_load(load: Numbers, centre: Numbers, positions: Floats) -> Floats:
     """Return loads (..., rollers), N, if the roller nearest to the load bears all of it."""
-    alone = _nearest(centre, places)[..., None] == np.arange(len(places))
+    alone = _nearest(centre, positions)[..., None] == np.arange(len(positions))
     return np.asarray(load, dtype=float)[..., None] * alone
 
 
-def end_load(load: Numbers, centre: Numbers, places: Floats) -> Floats:
+def end_load(load: Numbers, centre: Numbers, positions: Floats) -> Floats:
     """Return loads (..., rollers), N, if an obstacle lifts one end: the outer rollers bear all."""
-    return two_loads(load, centre, places, (0, len(places) - 1))
+    return two_loads(load, centre, positions, (0, len(positions) - 1))
 
 
 def corner_load(weight: Numbers, ahead: Numbers, aside: Numbers, length: float, gauge: float) -> Numbers:

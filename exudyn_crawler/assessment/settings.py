@@ -193,7 +193,7 @@ class AssessmentSettings(Parameters):
     load_cases: parameters.File | None = option("file of load cases and factors; none: the program's", None)
 
 
-class AskedAssessment(Parameters):
+class AssessmentFile(Parameters):
     """Machine and settings of an assessment, and the keys given by its files."""
 
     machine: CaseFile
@@ -202,7 +202,7 @@ class AskedAssessment(Parameters):
     stated: tuple[str, ...] = option("paths of the values that the machine's file states", ())
 
 
-def read_assessment(path: str | Path) -> AskedAssessment:
+def read_assessment(path: str | Path) -> AssessmentFile:
     """Read an assessment: a file that names a `machine`, or the file of a machine itself.
 
     A `machine` is a case file, the name of a case, or a table of one; paths start at the file's folder. Raise
@@ -221,9 +221,9 @@ def read_assessment(path: str | Path) -> AskedAssessment:
     if machine is None:
         case_file = read_case(path)
         settings = AssessmentSettings(name=path.stem)
-        return AskedAssessment(machine=case_file, settings=settings, stated=_stated(content, path))
+        return AssessmentFile(machine=case_file, settings=settings, stated=_stated(content, path))
     given = tuple(map(fields.path_text, stated(content)))
-    return AskedAssessment(machine=machine, settings=settings, given=given, stated=of_machine)
+    return AssessmentFile(machine=machine, settings=settings, given=given, stated=of_machine)
 
 
 def _stated(entry: object, path: Path) -> tuple[str, ...]:

@@ -130,8 +130,8 @@ def info(
     """Show all values of a case, and where they differ from the nearest case of the papers."""
     from exudyn_crawler.case.parameters import checks
     from exudyn_crawler.machines.case_file import nearest_base, run_lines
-    from exudyn_crawler.machines.datasheet.discrepancies import odd_values
-    from exudyn_crawler.machines.unscaled_values import kept_lines
+    from exudyn_crawler.machines.datasheet.discrepancies import implausible_values
+    from exudyn_crawler.machines.unscaled_values import unscaled_lines
     from exudyn_crawler.settings import fields
 
     studies = application.study_names(cases=True)
@@ -142,7 +142,7 @@ def info(
         case_file = application.study_case(case)
     elif Path(case).suffix or Path(case).exists():
         case_file = crawler.read_case(case, changes or ())
-        of_the_base = kept_lines(case, changes or ())
+        of_the_base = unscaled_lines(case, changes or ())
     else:
         if case not in application.study_names():
             application.file_named(Path(case))
@@ -150,7 +150,7 @@ def info(
     if case_file.datasheet is not None:
         datasheets.show_values(case_file, case)
         typer.echo("\n".join([*run_lines(case_file), times_line(rule_of_thumb(case_file))]))
-        checks.warn_of(odd_values(case_file))
+        checks.warn_of(implausible_values(case_file))
         return
     base, of_base = nearest_base(case_file.case)
     rows = [(*row[:2], of_base.get(row.key, ""), *row[2:]) for row in fields.case_rows(case_file)]
@@ -158,7 +158,7 @@ def info(
     title = f"{case}: {sum(row[2] != '' for row in rows)} of {len(rows)} values differ from the case {base!r}"
     print_rows(columns, rows, title, keys=columns[:3], whole="in the file that init writes")
     typer.echo("\n".join([*of_the_base, *run_lines(case_file), times_line(rule_of_thumb(case_file))]))
-    checks.warn_of(odd_values(case_file))
+    checks.warn_of(implausible_values(case_file))
     show_standing(case_file.case)
     if case_file.case.flexible is not None:
         from exudyn_crawler.model.reductions import reductions_line
@@ -185,12 +185,12 @@ def run(
         case_file = case_file.with_({"outputs.page": page})
     out = out or application.RESULTS / case.stem
     from exudyn_crawler.machines.case_file import run_lines
-    from exudyn_crawler.machines.unscaled_values import kept_lines
+    from exudyn_crawler.machines.unscaled_values import unscaled_lines
     from exudyn_crawler.run.folder.folder import refuse_other_results
 
     if not overwrite:
         refuse_other_results(out)
-    typer.echo("\n".join([*kept_lines(case, changes or ()), *run_lines(case_file)]))
+    typer.echo("\n".join([*unscaled_lines(case, changes or ()), *run_lines(case_file)]))
     # the first equilibrium on a computer compiles; the folder shows its progress
     with noted_in(out if out.is_dir() else None):
         show_standing(case_file.case)
@@ -297,9 +297,9 @@ def fmu(
     case_file = crawler.read_case(case, changes or ())
     from exudyn_crawler.case.parameters import checks
     from exudyn_crawler.co_simulation import write_fmu
-    from exudyn_crawler.machines.datasheet.discrepancies import odd_values
+    from exudyn_crawler.machines.datasheet.discrepancies import implausible_values
 
-    checks.warn_of(odd_values(case_file))
+    checks.warn_of(implausible_values(case_file))
     written = write_fmu(case_file, out or case.with_suffix(".fmu"), overwrite)
     typer.echo(
         f"{written}: takes speed, force and moment; gives motion of the frame, forces of pins and ground"

@@ -35,7 +35,7 @@ def machine(
 ) -> None:
     """Show what follows from a datasheet: its figures beside those of the machine, and assumed values."""
     from exudyn_crawler.case.parameters import checks
-    from exudyn_crawler.machines.datasheet.discrepancies import odd_values
+    from exudyn_crawler.machines.datasheet.discrepancies import implausible_values
     from exudyn_crawler.machines.datasheet.figures import figures
     from exudyn_crawler.machines.datasheet.ledger import sheet_ledger
 
@@ -62,7 +62,7 @@ def machine(
         for figure in figures(case_file.case, sheet)
     ]
     print_rows(FIGURES, rows, f"{case_file.case.name}: its figures")
-    checks.warn_of(odd_values(case_file))
+    checks.warn_of(implausible_values(case_file))
     if every:
         print_rows(ORIGIN_COLUMNS, origin_rows(ledger, short=True), f"{file}: {ledger.summary}")
     if out is not None:

@@ -14,7 +14,7 @@ OF_NO_MACHINE = ("terrain", "contact", "drive", "loads", "solver", "flexible", "
 """Tables of a case that do not scale with its machine."""
 
 
-def kept_lines(path: str | Path, changes: Iterable[str] = ()) -> list[str]:
+def unscaled_lines(path: str | Path, changes: Iterable[str] = ()) -> list[str]:
     """Return the unchanged quantities of a file's base in parts of changed scale, a line for each part.
 
     Parts of the machine that such a file does not mention stay as a whole. The result is empty for a file

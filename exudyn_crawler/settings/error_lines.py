@@ -78,7 +78,7 @@ def _typed(fault: Mapping[str, Any], model: type[pydantic.BaseModel], values: An
     if not isinstance(values, str) or not isinstance(value, float) or spot.field is None:
         return value
     unit = fields.unit_of(spot.field)
-    if value in (units.number_of(text, unit) for text in (values, *units.likely_texts(values))):
+    if value in (units.number_of(text, unit) for text in (values, *units.candidate_texts(values))):
         return values
     # the number was derived from another text; four digits are enough
     return float(f"{value:.4g}")

@@ -187,13 +187,13 @@ def hint(text: str, unit: str) -> str:
         )
     if BARE_TON.search(plain) and fields.is_number(number_of(BARE_TON.sub("t", plain), unit)):
         return "; a ton is 't' (1000 kg), 'short_ton' (907.2 kg) or 'long_ton' (1016 kg)"
-    likely = [meant for meant in likely_texts(plain) if fields.is_number(number_of(meant, unit))]
+    likely = [meant for meant in candidate_texts(plain) if fields.is_number(number_of(meant, unit))]
     if likely:
         return f"; did you mean {likely[0]!r}?"
     return _comma(plain)
 
 
-def likely_texts(text: str) -> Iterator[str]:
+def candidate_texts(text: str) -> Iterator[str]:
     """Yield the text with likely units: force for mass, the right letter case, and both."""
     for names in (OF_FORCE, CASED, {name.lower(): OF_FORCE.get(unit, unit) for name, unit in CASED.items()}):
         words = re.split(r"([A-Za-z]+)", text)

@@ -49,7 +49,7 @@ class PlannedRun(NamedTuple):
     number: int  # from 1
     values: Row
     digest: str  # SHA-256, names its folder
-    asked: tuple[Answers, ...]
+    answers: tuple[Answers, ...]
     obstacle: str = ""  # why the machine of drawn values cannot be built; such a run has no digest
 
 
@@ -223,17 +223,17 @@ class Sweep(Variation):
 
         def plan(number: int, values: Row) -> PlannedRun:
             try:
-                case_file, digest, asked = self.case_of(values)
+                case_file, digest, chosen = self.case_of(values)
             except ValueError as error:
                 # typical values are those of real machines, but some do not fit each other
                 if not draws_typical:
                     raise
                 return PlannedRun(number, values, "", (), str(error))
-            for answer in asked:
+            for answer in chosen:
                 answer.check(case_file)
             for line in checks.implausible(case_file.case, case_file.duration):
                 odd.setdefault(line, number)
-            return PlannedRun(number, values, digest, asked)
+            return PlannedRun(number, values, digest, chosen)
 
         planned = tuple(self._of_all(plan))
         lines = [f"{output.label}: {line}" for output in self.answers for line in checks.out_of_range(output)]

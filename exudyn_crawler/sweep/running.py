@@ -158,7 +158,7 @@ def _state(sweep: Sweep, runs: Path, retry: bool) -> tuple[dict[str, Outcome], l
     stored = {digest: outcome for digest, outcome in read.items() if outcome is not None}
     failed = {digest for digest, outcome in stored.items() if outcome["status"] == FAILED}
     asked = {
-        digest: answers.ANSWERS.dump_python(case.asked, mode="json") for digest, case in different.items()
+        digest: answers.ANSWERS.dump_python(case.answers, mode="json") for digest, case in different.items()
     }
     answered = {
         digest for digest, stored_case in stored.items() if stored_case.get("asked") == asked[digest]
@@ -186,7 +186,7 @@ def tasks_of(
     shared = None if reductions is None else str(reductions.resolve())
     for planned in missing:
         case = sweep.case_of(planned.values)[0].model_dump_json()
-        asked = answers.ANSWERS.dump_json(planned.asked).decode()
+        asked = answers.ANSWERS.dump_json(planned.answers).decode()
         yield Task(planned.digest, case, asked, str(runs), shared, own_versions(), again=retry)
 
 

@@ -35,7 +35,7 @@ def level_parts(local: Triangles, sign: float) -> list[Integers]:
     level = upward > np.cos(LEVEL)
     if local.areas[level].sum() < LARGE * local.areas[nearly].sum():
         level = nearly
-    return sorted(local.patches(level), key=lambda part: -float(local.areas[part].sum()))
+    return sorted(local.connected_regions(level), key=lambda part: -float(local.areas[part].sum()))
 
 
 def _is_parted(local: Triangles, parts: list[Integers]) -> bool:

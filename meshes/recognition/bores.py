@@ -101,7 +101,7 @@ def find_bores(triangles: Triangles) -> list[Bore]:
 def _whole_bores(triangles: Triangles, guess: Bore, used: np.ndarray) -> list[Bore]:
     """Return the complete bores among the faces on a guess's cylinder that are not `used`: booleans (k,)."""
     for near in (NEAR, NEAREST):
-        parts = triangles.patches(on_cylinder(triangles, guess, near=near) & ~used)
+        parts = triangles.connected_regions(on_cylinder(triangles, guess, near=near) & ~used)
         fits = [fit_bore(triangles, part) for part in parts if len(part) >= FEWEST_FACES]
         if whole := [bore for bore in fits if bore is not None]:
             return whole

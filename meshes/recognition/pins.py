@@ -202,7 +202,7 @@ def refined(triangles: Triangles, pair: PinPair) -> PinPair:
 def _whole_line(triangles: Triangles, line: PinLine, axis: Floats) -> PinLine:
     """Return a line with all faces on its cylinder; its axis is fitted to the corners of all bores."""
     guess = Bore(*_fitted(triangles, line.bores, axis), line.radius, (0.0, 0.0), line.faces, 0.0)
-    on_line = triangles.patches(bores.on_cylinder(triangles, guess, along=1.0))
+    on_line = triangles.connected_regions(bores.on_cylinder(triangles, guess, along=1.0))
     fits = [bores.fit_bore(triangles, part) for part in on_line if len(part) >= bores.FEWEST_FACES]
     members = [bore for bore in fits if bore is not None]
     there = np.concatenate([bore.faces for bore in members]) if members else line.faces[:0]
@@ -217,7 +217,7 @@ def _refuse_broken(triangles: Triangles, guess: Bore, members: Sequence[Bore]) -
     """Raise `ValueError` if faces around a pin's cylinder form no complete bore, which hides a fork."""
     left = bores.on_cylinder(triangles, guess, along=1.0, near=COARSE)
     left[np.concatenate([bore.faces for bore in members])] = False
-    for part in triangles.patches(left):
+    for part in triangles.connected_regions(left):
         places = triangles.points[np.unique(triangles.faces[part])]
         if bores.greatest_gap(places, guess.axis, guess.point) < HALF_ROUND:
             place = places.mean(axis=0).round(4).tolist()

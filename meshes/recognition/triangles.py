@@ -107,7 +107,7 @@ class Triangles:
         links = coo_array((ones, (pairs[:, 0], pairs[:, 1])), shape=(count, count))
         return np.asarray(connected_components(links, directed=False)[1], dtype=np.int64)
 
-    def patches(self, chosen: np.ndarray) -> list[Integers]:
+    def connected_regions(self, chosen: np.ndarray) -> list[Integers]:
         """Return the triangle numbers of each connected part of the `chosen` ones: booleans (k,)."""
         label = self.labels(np.asarray(chosen[self.pairs].all(axis=1)))
         numbers = np.flatnonzero(chosen)

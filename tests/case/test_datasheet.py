@@ -9,7 +9,7 @@ from exudyn_crawler.errors import CaseFileError, ParameterError
 from exudyn_crawler.machines import read_case
 from exudyn_crawler.machines.datasheet import figures, library
 from exudyn_crawler.machines.datasheet.derive import derived
-from exudyn_crawler.machines.datasheet.discrepancies import odd_figures, odd_values
+from exudyn_crawler.machines.datasheet.discrepancies import datasheet_discrepancies, implausible_values
 from exudyn_crawler.machines.datasheet.ledger import case_ledger, sheet_ledger
 from exudyn_crawler.machines.datasheet.library import machines
 from exudyn_crawler.machines.datasheet.sheet import Datasheet
@@ -497,7 +497,7 @@ def test_a_vehicles_chain_that_closes_nowhere_is_refused_with_shoes_that_do():
 )
 def test_figures_of_no_machine_are_told_by_the_datasheets_keys(changes, words):
     sheet = read_case(machines()["pc300lc"]).datasheet
-    assert next(iter(odd_figures(sheet.with_(**changes)))).startswith(words)
+    assert next(iter(datasheet_discrepancies(sheet.with_(**changes)))).startswith(words)
 
 
 def test_a_mini_excavator_is_plausible(written):
@@ -510,10 +510,10 @@ def test_a_mini_excavator_is_plausible(written):
     length_on_ground = "1230 mm"
     crawler_length = "1590 mm"
     """
-    assert list(odd_values(read_case(written(mini)))) == []
+    assert list(implausible_values(read_case(written(mini)))) == []
     assert any(
         line.startswith("shoe.mass: 3 kg")
-        for line in odd_values(read_case(written(f"{mini}[shoe]\nmass = 3.0\n")))
+        for line in implausible_values(read_case(written(f"{mini}[shoe]\nmass = 3.0\n")))
     )
 
 
@@ -521,10 +521,10 @@ def test_a_dozer_with_an_elevated_sprocket_is_told_to_be_built_low():
     """Of 66 t with 44 shoes of 281 mm on 3.885 m, which go up to the sprocket."""
     values = {"kind": "dozer", "operating_weight": 66.5e3, "gauge": 2.55, "shoe_width": 0.61, "pitch": 0.281}
     sheet = Datasheet(**values, length_on_ground=3.885, shoes=44)
-    (line,) = odd_figures(sheet)
+    (line,) = datasheet_discrepancies(sheet)
     assert line.startswith("datasheet: sprocket_gaps that follows: 16.")
     assert "is the sprocket elevated?" in line
-    assert list(odd_figures(sheet.with_(shoes=41))) == []
+    assert list(datasheet_discrepancies(sheet.with_(shoes=41))) == []
 
 
 def test_tanks_with_short_shoes_are_built():
@@ -536,4 +536,4 @@ def test_tanks_with_short_shoes_are_built():
 
 @pytest.mark.parametrize("name", machines())
 def test_figures_of_the_librarys_machines_are_plausible(name):
-    assert list(odd_values(read_case(machines()[name]))) == []
+    assert list(implausible_values(read_case(machines()[name]))) == []

@@ -9,7 +9,7 @@ from exudyn_crawler.errors import CaseFileError, ParameterError
 from exudyn_crawler.machines import read_case
 from exudyn_crawler.machines.datasheet import figures, library, typical
 from exudyn_crawler.machines.datasheet.derive import derived
-from exudyn_crawler.machines.datasheet.discrepancies import odd_figures, odd_values
+from exudyn_crawler.machines.datasheet.discrepancies import datasheet_discrepancies, implausible_values
 from exudyn_crawler.machines.datasheet.ledger import case_ledger, ledger_of, sheet_ledger, stated_ledger
 from exudyn_crawler.machines.datasheet.ruled_machine import rules
 from exudyn_crawler.machines.datasheet.sheet import Datasheet
@@ -50,19 +50,19 @@ def test_what_a_user_changed_of_a_library_machine_is_given_by_the_file_and_by_no
 
 def test_what_is_left_of_another_machine_is_warned_of(read):
     case_file = read(HEAVIER)
-    (line,) = odd_figures(case_file.datasheet)
+    (line,) = datasheet_discrepancies(case_file.datasheet)
     assert line == (
         "datasheet: this is another machine than the library's Caterpillar 6060 (operating_weight 800 t in "
         "place of 549 t), of which are left: gauge, ground_pressure; give this machine's own, or leave them "
         "out"
     )
-    assert line in list(odd_values(case_file))
+    assert line in list(implausible_values(case_file))
     near = case_file.datasheet.with_(operating_weight=600e3)
-    assert list(odd_figures(near)) == []
+    assert list(datasheet_discrepancies(near)) == []
     wider = case_file.datasheet.with_(operating_weight=549e3, shoe_width=1.7)
-    assert "shoe_width 1.7 m in place of 1.4 m" in next(iter(odd_figures(wider)))
+    assert "shoe_width 1.7 m in place of 1.4 m" in next(iter(datasheet_discrepancies(wider)))
     own = case_file.datasheet.with_(gauge=5.9, ground_pressure=2.2e5)
-    assert list(odd_figures(own)) == []
+    assert list(datasheet_discrepancies(own)) == []
 
 
 def test_a_machine_that_cannot_be_built_says_what_is_left_of_the_library(read):

@@ -8,7 +8,7 @@ import pytest
 from exudyn_crawler.case import Case
 from exudyn_crawler.machines import CaseFile, read_case
 from exudyn_crawler.machines.datasheet import plausible, typical
-from exudyn_crawler.machines.datasheet.discrepancies import odd_machine, odd_values
+from exudyn_crawler.machines.datasheet.discrepancies import implausible_values, machine_discrepancies
 from exudyn_crawler.machines.datasheet.library import machines
 from exudyn_crawler.machines.datasheet.sheet import Datasheet
 from exudyn_crawler.settings import fields
@@ -54,7 +54,7 @@ def lines(tmp_path):
         text = "\n".join(f"{name} = {value!r}" for name, value in values.items())
         (tmp_path / "mine.toml").write_text(f"[datasheet]\n{text}\n")
         try:
-            return list(odd_values(read_case(tmp_path / "mine.toml")))
+            return list(implausible_values(read_case(tmp_path / "mine.toml")))
         except CaseFileError as error:
             return error.errors
 
@@ -63,7 +63,7 @@ def lines(tmp_path):
 
 @pytest.mark.parametrize("name", sorted(machines()))
 def test_machines_of_the_library_are_plausible(name):
-    assert list(odd_values(read_case(machines()[name]))) == []
+    assert list(implausible_values(read_case(machines()[name]))) == []
 
 
 def test_a_plausible_excavator_has_no_warnings(lines):
@@ -170,13 +170,13 @@ def test_values_that_a_case_has_of_its_own_are_held_against_its_machine(tmp_path
     """Those of the file beside a datasheet, and those of a machine without one, by its weight of 1410 t."""
     case_file = read_case(machines()["pc300lc"])
     changed = case_file.case.with_({"gear.car_body.track_distance": 5.0, "gear.torque_limit": 5e5})
-    found = list(odd_machine(case_file.with_(case=changed)))
+    found = list(machine_discrepancies(case_file.with_(case=changed)))
     assert [line.split(":")[0] for line in found] == ["gear.car_body.track_distance", "gear.torque_limit"]
     assert "5 m is outside of 1.477 to 4.267 m of an excavator of 35.37 t" in found[0]
     shovel = Case.shovel()
-    assert list(odd_machine(CaseFile(case=shovel))) == []
+    assert list(machine_discrepancies(CaseFile(case=shovel))) == []
     wide = shovel.with_({"gear.car_body.track_distance": 20.0})
-    (line,) = odd_machine(CaseFile(case=wide))
+    (line,) = machine_discrepancies(CaseFile(case=wide))
     assert line.startswith("gear.car_body.track_distance: 20 m is outside of 5.0")
     assert " of a machine of 1410 t" in line
 

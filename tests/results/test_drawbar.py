@@ -214,7 +214,7 @@ def test_a_table_has_the_slip_of_the_drawbars_place_in_either_sense(sense):
     case, duration = pulled(case.with_({"drive.speed": speed, "gear.torque_limit": 300e3}), (0.01, 0.1))
     ridden = Ridden(case, duration, pull=200e3, torque=400e3)
     table = drawbar.drawbar_table(ridden).rename(columns={head: name for name, head in drawbar.HEADS.items()})
-    assert table["asked"].tolist() == [0.0, 0.01, 0.1]
+    assert table["wanted"].tolist() == [0.0, 0.01, 0.1]
     assert table["slip"].to_numpy() == pytest.approx([0.0, 0.01, 0.1], abs=1e-6)
     assert table["pull"].to_numpy() == pytest.approx(np.full(3, 200e3))
     force = 400e3 / case.gear.travel_per_angle(case.track)

@@ -9,7 +9,7 @@ from exudyn_crawler.case.gear.base import WheelKind, WheelLabel
 from exudyn_crawler.case.parameters.track import MIDWAY
 from exudyn_crawler.results.loads.actions import ON_RAILS
 from exudyn_crawler.results.loads.kinds import Kind
-from exudyn_crawler.results.loads.places import (
+from exudyn_crawler.results.loads.locations import (
     PINS,
     GroundUnit,
     OnTread,

@@ -31,7 +31,7 @@ from exudyn_crawler.results.loads.exports import (
 )
 from exudyn_crawler.results.loads.kinds import Kind
 from exudyn_crawler.results.loads.load_map import GROUND, RAILS, coordinates, loads_by_kind, unit_loads
-from exudyn_crawler.results.loads.places import OnTread
+from exudyn_crawler.results.loads.locations import OnTread
 from exudyn_crawler.results.stress.basis import ground_grid, rail_stations, static_loads
 from fem import Partition
 from fem.body.element_stress import von_mises

@@ -47,7 +47,7 @@ def test_work_that_cells_keep_is_the_area_of_a_loop_of_loading_and_unloading():
     loop = case.terrain.cell**2 * np.trapezoid(pressure, depths)
     # the curve begins with a parabola over 1 mm
     for share, count in ((1.0, 3.0), (np.array([1.0, 0.5, 0.1]), 1.6)):
-        kept = ground.kept_work(SimpleNamespace(case=case), *cells, share)
+        kept = ground.retained_work(SimpleNamespace(case=case), *cells, share)
         assert kept == pytest.approx(count * loop, rel=2e-3)
 
 

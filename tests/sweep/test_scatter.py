@@ -141,8 +141,8 @@ def flexible_sample(count: int, **changes) -> Sweep:
 def test_lives_are_drawn_for_all_answers_of_a_run():
     sweep = flexible_sample(4)
     for one in sweep.planned:
-        assert [answer.material.casting_factor for answer in one.asked] == [one.values[0]] * 2
-        assert [answer.region for answer in one.asked] == [None, "roller path"]
+        assert [answer.material.casting_factor for answer in one.answers] == [one.values[0]] * 2
+        assert [answer.region for answer in one.answers] == [None, "roller path"]
     assert len({one.digest for one in sweep.planned}) == 4
     assert sweep.units()["casting_factor"] == ""
 

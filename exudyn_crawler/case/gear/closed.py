@@ -12,7 +12,7 @@ from exudyn_crawler.case.gear.assembled import Assembled, assembled
 from exudyn_crawler.case.gear.base import POSTS
 from exudyn_crawler.case.gear.closed_frame import ClosedFrame
 from exudyn_crawler.case.gear.deflections import PULL, SIDEWAYS, TOOTH, LoadedContact, idler_spring
-from exudyn_crawler.case.gear.running_gear import odd_rails
+from exudyn_crawler.case.gear.running_gear import implausible_rails
 from exudyn_crawler.case.parameters import assembly, base, sizes
 from exudyn_crawler.case.parameters.closed_track import Idler, Tumbler
 from exudyn_crawler.case.parameters.track import MIDWAY, Shoe, Track
@@ -176,11 +176,11 @@ class Closed(ClosedFrame):
         yield from sizes.wide_inertia(*turning, (radius, 0.5 * shoe.width, radius))
         yield from sizes.thin_inertia(*turning)
         yield from super().implausible(shoe, chain)
-        yield from self.odd_treads(self.roller_radius)
+        yield from self.implausible_treads(self.roller_radius)
         yield from self._odd_lugs()
         yield from self._odd_contacts(shoe, chain)
         yield from self._other_pitch(chain)
-        yield from odd_rails(shoe, chain, self.roller_radius)
+        yield from implausible_rails(shoe, chain, self.roller_radius)
 
     def _odd_lugs(self) -> Iterator[str]:
         """Yield a warning for lugs of a shoe that overlap each other."""

@@ -7,7 +7,7 @@ from typing import ClassVar, Literal
 import numpy as np
 
 from exudyn_crawler.case import ph4100c
-from exudyn_crawler.case.gear.running_gear import RunningGear, odd_rails, overlap_errors
+from exudyn_crawler.case.gear.running_gear import RunningGear, implausible_rails, overlap_errors
 from exudyn_crawler.case.parameters import base
 from exudyn_crawler.case.parameters.base import Place
 from exudyn_crawler.case.parameters.drive import Drive
@@ -75,8 +75,8 @@ class Rolled(base.PH4100C, RunningGear, values=ph4100c.UNDERCARRIAGE):
     def implausible(self, shoe: Shoe, chain: Track) -> Iterator[str]:
         """Yield a warning for each inertia, tread and gap of the rails that no known machine has."""
         yield from super().implausible(shoe, chain)
-        yield from self.odd_treads(self.radius)
-        yield from odd_rails(shoe, chain, self.radius)
+        yield from self.implausible_treads(self.radius)
+        yield from implausible_rails(shoe, chain, self.radius)
 
     def wrenches(self, machine: np.ndarray) -> np.ndarray:
         """Return the wrenches of the machine and of the chain's end tension: array (3, 6), N and N m."""

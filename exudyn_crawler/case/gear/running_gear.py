@@ -286,7 +286,7 @@ class RunningGear(Gear):
         """Load of a lower roller for an even distribution of the carried weight, N."""
         return self.carried_mass * GRAVITY / (self.tracks * len(self.rollers))
 
-    def odd_treads(self, radius: float) -> Iterator[str]:
+    def implausible_treads(self, radius: float) -> Iterator[str]:
         """Yield a warning for an implausible deflection or damping of treads of a radius (m), and of arms."""
         load = self.roller_load
         words = "a roller's tread"
@@ -314,7 +314,7 @@ def overlap_errors(wheels: str, places: Sequence[float], radius: float) -> Error
         yield f"{wheels} must be in order and at least a diameter, {2.0 * radius:.4g} m, apart, got {got}"
 
 
-def odd_rails(shoe: Shoe, chain: Track, radius: float) -> Iterator[str]:
+def implausible_rails(shoe: Shoe, chain: Track, radius: float) -> Iterator[str]:
     """Yield a warning for rails off the shoe's middle, and for gaps too wide for rollers of a radius (m)."""
     if shoe.rails is None:
         return

@@ -54,10 +54,10 @@ def derived(sheet: Datasheet) -> Derived:
 
 def _odd(sheet: Datasheet) -> Iterator[str]:
     """Yield the implausible figures, which may be the reason that no machine follows."""
-    yield from (f"{key}: {line}" for key, line in plausible.odd_printed(sheet))
+    yield from (f"{key}: {line}" for key, line in plausible.implausible_printed(sheet))
     with suppress(ParameterError):
         chain = chains.chain_of(sheet, ph4100c.GRAVITY)
-        yield from plausible.odd_following(sheet, plausible.following(sheet, chain))
+        yield from plausible.implausible_derived(sheet, plausible.following(sheet, chain))
 
 
 def _derived(printed: Datasheet) -> Derived:

@@ -11,7 +11,7 @@ from exudyn_crawler.machines.datasheet.derive import derived
 from exudyn_crawler.machines.datasheet.figures import machine_mass
 from exudyn_crawler.machines.datasheet.ledger import ledger_of
 from exudyn_crawler.machines.datasheet.library import left_of_library
-from exudyn_crawler.machines.datasheet.ruled_machine import places
+from exudyn_crawler.machines.datasheet.ruled_machine import case_paths
 from exudyn_crawler.machines.datasheet.sheet import Datasheet
 from exudyn_crawler.origins import Origin
 from exudyn_crawler.settings import fields
@@ -23,10 +23,10 @@ AREA = 1.0 / 3.0, 2.5
 pressure."""
 
 
-def odd_values(case_file: CaseFile) -> Iterator[str]:
+def implausible_values(case_file: CaseFile) -> Iterator[str]:
     """Yield lines on all implausible values of a case file, those of the datasheet first."""
     lines = implausible(case_file.case, case_file.duration)
-    yield from odd_machine(case_file)
+    yield from machine_discrepancies(case_file)
     if case_file.datasheet is None:
         yield from lines
         return
@@ -35,12 +35,12 @@ def odd_values(case_file: CaseFile) -> Iterator[str]:
     yield from (line for line in lines if line.split(":")[0] not in by_rule)
 
 
-def odd_machine(case_file: CaseFile) -> Iterator[str]:
+def machine_discrepancies(case_file: CaseFile) -> Iterator[str]:
     """Yield lines on implausible figures of a machine, from its datasheet and from its case."""
     case = case_file.case
     sheet = case_file.datasheet
     if sheet is not None:
-        yield from odd_figures(sheet)
+        yield from datasheet_discrepancies(sheet)
     if not isinstance(case.gear, Machine):
         return
     kind = None if sheet is None else sheet.kind
@@ -49,7 +49,7 @@ def odd_machine(case_file: CaseFile) -> Iterator[str]:
     own = {entry.path: entry for entry in fields.values_of(case) if follows.get(entry.path) != entry.value}
     sizes = plausible.Sizes(machine_mass(case), case.track.pitch, case.gear.length)
     rows = [
-        (path, "", name, own[path].value, own[path].unit) for name, path in places().items() if path in own
+        (path, "", name, own[path].value, own[path].unit) for name, path in case_paths().items() if path in own
     ]
     if "track.shoe_count" in own:
         rows.append(("track.shoe_count", "of one track, ", "shoes", case.track.shoe_count // 2, ""))
@@ -61,22 +61,22 @@ def odd_machine(case_file: CaseFile) -> Iterator[str]:
         words = "the pull of both tracks with it, "
         rows.append(("gear.torque_limit", words, "drawbar_pull", pull, "N"))
     for path, words, name, value, unit in rows:
-        if line := plausible.odd(name, value, unit, kind, sizes):
+        if line := plausible.implausible_number(name, value, unit, kind, sizes):
             yield f"{path}: {words}{line}"
 
 
-def odd_figures(sheet: Datasheet) -> Iterator[str]:
+def datasheet_discrepancies(sheet: Datasheet) -> Iterator[str]:
     """Yield lines on implausible figures, printed or derived, with the datasheet's keys."""
     yield from (f"datasheet: {line}" for line in left_of_library(sheet))
     machine = derived(sheet)
     following = plausible.following(sheet, machine.chain, machine.case.shoe.mass)
-    odd = dict(plausible.odd_printed(sheet, following))
+    odd = dict(plausible.implausible_printed(sheet, following))
     yield from (f"datasheet.{key}: {line}" for key, line in odd.items())
     for line in out_of_range(sheet):
         key = line.split(":")[0]
         if plausible.row_of(key, sheet.kind) is None:
             yield f"datasheet.{line}"
-    yield from (f"datasheet: {line}" for line in plausible.odd_following(sheet, following))
+    yield from (f"datasheet: {line}" for line in plausible.implausible_derived(sheet, following))
     yield from _odd_sums(sheet, odd)
 
 

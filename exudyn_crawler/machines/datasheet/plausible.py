@@ -112,7 +112,7 @@ def row_of(name: str, kind: str | None) -> Plausible | None:
     return general._replace(low=min(row.low for row in same), high=max(row.high for row in same), typical="")
 
 
-def odd_printed(sheet: Datasheet, follows: Following | None = None) -> Iterator[tuple[str, str]]:
+def implausible_printed(sheet: Datasheet, follows: Following | None = None) -> Iterator[tuple[str, str]]:
     """Yield key and line of each printed figure implausible for the machine's kind and weight.
 
     Figures that need derived sizes are left out if no derived sizes are known.
@@ -120,29 +120,33 @@ def odd_printed(sheet: Datasheet, follows: Following | None = None) -> Iterator[
     sizes = sizes_of(sheet, follows)
     for entry in fields.walk(sheet):
         key = ".".join(fields.names_of(entry.place))
-        line = odd(key, entry.value, fields.unit_of(entry.field), sheet.kind, sizes)
+        line = implausible_number(key, entry.value, fields.unit_of(entry.field), sheet.kind, sizes)
         if line:
             yield entry.path, line
             # all other ranges depend on the wrong weight
             if key == WEIGHT:
                 return
-    if sheet.gauge is None and (line := odd("gauge", sheet.track_gauge, "m", sheet.kind, sizes)):
+    if sheet.gauge is None and (
+        line := implausible_number("gauge", sheet.track_gauge, "m", sheet.kind, sizes)
+    ):
         yield "width_over_shoes", f"less shoe_width gives a gauge of {line}"
 
 
-def odd_following(sheet: Datasheet, follows: Following) -> Iterator[str]:
+def implausible_derived(sheet: Datasheet, follows: Following) -> Iterator[str]:
     """Yield a line for each derived figure implausible for the machine's kind and weight."""
     sizes = sizes_of(sheet, follows)
-    if odd(WEIGHT, sheet.operating_weight, "kg", sheet.kind, sizes):
+    if implausible_number(WEIGHT, sheet.operating_weight, "kg", sheet.kind, sizes):
         return
     for name, value in follows._asdict().items():
         if getattr(sheet, name) is None:
             unit = fields.unit_of(Datasheet.model_fields[name])
-            if line := odd(name, value, unit, sheet.kind, sizes, is_printed=False):
+            if line := implausible_number(name, value, unit, sheet.kind, sizes, is_printed=False):
                 yield f"{name} that follows: {line}"
 
 
-def odd(name: str, value: object, unit: str, kind: str | None, sizes: Sizes, is_printed: bool = True) -> str:
+def implausible_number(
+    name: str, value: object, unit: str, kind: str | None, sizes: Sizes, is_printed: bool = True
+) -> str:
     """Return the first implausible number of a figure for a kind of machine, with its range; else empty."""
     row = row_of(name, kind)
     size = None if row is None else SIZES[row.by](sizes)

@@ -28,7 +28,7 @@ def rules() -> tuple[Rule, ...]:
 
 
 @cache
-def places() -> dict[str, str]:
+def case_paths() -> dict[str, str]:
     """Return the paths of figures of a datasheet that enter the case unchanged."""
     return {rule.made_of[0]: rule.paths[0] for rule in rules() if rule.origin is None and not rule.text}
 

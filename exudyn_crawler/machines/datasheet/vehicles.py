@@ -39,7 +39,7 @@ class RoadWheels(NamedTuple):
         """Heights of the axes of sprocket and idler above those of the road wheels."""
         return self.above[0] - self.axes, self.above[1] - self.axes
 
-    def places(self, share: float) -> tuple[float, float]:
+    def distances(self, share: float) -> tuple[float, float]:
         """Return the distances from outer road wheels to sprocket and idler: a typical share, or clear."""
         play = PLAY * self.pitch
         first, last = (share * way for way in self.ways)
@@ -50,7 +50,7 @@ class RoadWheels(NamedTuple):
 
     def belt(self, share: float) -> list[assembly.Piece]:
         """Return the path of the pins with sprocket and idler at a share of the typical distances."""
-        first, last = self.places(share)
+        first, last = self.distances(share)
         under = self.wheel + self.rise
         around = math.hypot(self.idler + self.rise, 0.5 * self.pitch)
         return assembly.belt(
@@ -163,7 +163,7 @@ def _running(sheet: Datasheet, pitch: float, on_ground: float, gaps: float, diam
 
 def _filled(sheet: Datasheet, running: RoadWheels, share: float, diameter: float, shoes: int) -> Datasheet:
     """Return a datasheet with a running gear whose chain closes at a share of the typical distances."""
-    first, last = running.places(share)
+    first, last = running.distances(share)
     values = {
         "roller_diameter": diameter,
         "idler_diameter": 2.0 * running.idler,

@@ -20,13 +20,13 @@ from exudyn_crawler.ground.rotations import rotation_matrices
 from exudyn_crawler.model.flexible_shoes import side_weights, whole_reduction
 from exudyn_crawler.results.history.history import History
 from exudyn_crawler.results.loads.kinds import Kind
-from exudyn_crawler.results.loads.places import (
+from exudyn_crawler.results.loads.locations import (
     ENDS,
     PINS,
     GroundUnit,
+    Location,
     OnTread,
     Pin,
-    Place,
     Point,
     words,
 )
@@ -98,7 +98,7 @@ class Action:
 
     kind: Kind
     shoe: int  # its number; 0 is the side frame
-    place: Place
+    place: Location
     point: np.ndarray  # (times, 3), m, point of action; on a flexible shoe a point of the undeformed one
     force: np.ndarray  # (times, 3), N, on the body
     moment: np.ndarray  # (times, 3), N m, in addition to that of the force
@@ -106,7 +106,7 @@ class Action:
 
     @property
     def where(self) -> str:
-        """Place in words, such as "front right" (a pin) or "unit 12" (of the ground)."""
+        """Location in words, such as "front right" (a pin) or "unit 12" (of the ground)."""
         return words(self.place)
 
     def moment_about(self, center: np.ndarray) -> np.ndarray:

@@ -13,7 +13,7 @@ from exudyn_crawler.files import whole_file
 from exudyn_crawler.results.history.history import History
 from exudyn_crawler.results.loads import actions, load_map
 from exudyn_crawler.results.loads.kinds import Kind
-from exudyn_crawler.results.loads.places import Pin, Point
+from exudyn_crawler.results.loads.locations import Pin, Point
 from fem import ElasticBody, Interface, Program, write_load_deck
 from fem.body import interfaces
 

@@ -27,9 +27,9 @@ RISE, SETTLED, COUNTED = 0.15, 2.5, 0.35
 below the track takes one length; trim and sinkage in remaining ruts take the rest: after one length the pull
 was 7 % short."""
 MISSED = 0.02
-"""Difference of the measured from the asked slip, fraction of the latter, above which a remark is made."""
+"""Difference of the measured from the wanted slip, fraction of the latter, above which a remark is made."""
 HEADS = {
-    "asked": "slip asked",
+    "wanted": "wanted slip",
     "slip": "slip",
     "pull": "pull in N",
     "torque": "torque in N m",
@@ -133,8 +133,8 @@ def drawbar_table(history: History) -> pd.DataFrame:
     # whole shoes before the end of each hold
     shoes = max(1, round(COUNTED * track.length / gear.chain_pitch(case.track)))
     held = [
-        (end, asked)
-        for end, asked in zip(case.drive.slip.times[::2], case.drive.slip.values[::2], strict=True)
+        (end, wanted)
+        for end, wanted in zip(case.drive.slip.times[::2], case.drive.slip.values[::2], strict=True)
         if end <= time[-1] + 1e-9
     ]
     ends = np.interp([end for end, _ in held], time, chain)
@@ -149,7 +149,7 @@ def drawbar_table(history: History) -> pd.DataFrame:
 
     slip = 1.0 - gained(travel) / gained(chain)
     rows = {
-        "asked": [asked for _, asked in held],
+        "wanted": [wanted for _, wanted in held],
         "slip": slip,
         "pull": mean(pull),
         "torque": mean(torque.sum(axis=1)),
@@ -164,19 +164,19 @@ def drawbar_table(history: History) -> pd.DataFrame:
 
 def remarks(history: History, table: pd.DataFrame) -> Iterator[str]:
     """Yield remarks on a test's table: slips that were not met, and a drive that would stall."""
-    for asked, slip in zip(table[HEADS["asked"]], table[HEADS["slip"]], strict=True):
-        if asked > 0.0 and abs(slip - asked) > MISSED * asked:
-            yield f"slip: {100.0 * asked:.4g} % wanted, {100.0 * slip:.4g} % measured"
+    for wanted, slip in zip(table[HEADS["wanted"]], table[HEADS["slip"]], strict=True):
+        if wanted > 0.0 and abs(slip - wanted) > MISSED * wanted:
+            yield f"slip: {100.0 * wanted:.4g} % wanted, {100.0 * slip:.4g} % measured"
     gear: Any = history.case.gear
     if gear.torque_limit is None:
         return
     limit = gear.tracks * gear.torque_limit
     beyond = table[table[HEADS["torque"]] > limit]
     if len(beyond):
-        asked, torque = beyond.iloc[0][[HEADS["asked"], HEADS["torque"]]]
+        wanted, torque = beyond.iloc[0][[HEADS["wanted"], HEADS["torque"]]]
         taken = f"{1e-3 * torque:.4g} kN m of its {1e-3 * limit:.4g} kN m (gear.torque_limit)"
         yield (
-            f"the drive stalls before a slip of {100.0 * asked:.4g} %, which takes {taken}: "
+            f"the drive stalls before a slip of {100.0 * wanted:.4g} %, which takes {taken}: "
             "pulls from there on are what the ground gives"
         )
 
@@ -214,7 +214,7 @@ class DrawbarResult:
 
     greatest_pull: float  # N
     slip_there: float
-    pull_at_slip: float  # N, at the asked slip; NaN if the test does not reach it
+    pull_at_slip: float  # N, at the wanted slip; NaN if the test does not reach it
     coefficient: float  # greatest pull over weight
     gradeability: float  # grade whose tangent is this coefficient, rad
     motion_resistance: float  # N, at the slip without a pull
@@ -227,7 +227,7 @@ def drawbar_result(history: History, slip: float = 0.2) -> DrawbarResult:
     table = drawbar_table(history).rename(columns={head: name for name, head in HEADS.items()})
     track = even_track(history.case)
     best = table.loc[table["pull"].idxmax()]
-    # a slip short of the asked one by rounding counts as reached
+    # a slip short of the wanted one by rounding counts as reached
     reached = slip <= table["slip"].max() + 1e-3
     return DrawbarResult(
         greatest_pull=float(best["pull"]),

@@ -59,7 +59,7 @@ class PlateTests:
         """Yield the indices of the points of each test, in their order."""
         yield from _each(self.test)
 
-    def odd(self) -> Iterator[str]:
+    def implausible(self) -> Iterator[str]:
         """Yield lines about implausible points."""
         yield from _beyond("sinkage", self.sinkage, DEEPEST, "m")
         yield from _beyond("plate", self.width, WIDEST, "m")
@@ -118,7 +118,7 @@ class ShearTests:
     pressure: np.ndarray  # (points,), Pa
     test: np.ndarray  # (points,), name of the test
 
-    def odd(self) -> Iterator[str]:
+    def implausible(self) -> Iterator[str]:
         """Yield lines about implausible points."""
         yield from _beyond("displacement", self.displacement, FARTHEST, "m")
         yield from _beyond("pressure", self.pressure, HIGHEST, "Pa")
@@ -196,7 +196,7 @@ def _other_sign(name: str, values: np.ndarray, unit: str) -> Iterator[str]:
 
 
 def _warn_of_odd(path: str | Path, tests: PlateTests | ShearTests) -> None:
-    for line in tests.odd():
+    for line in tests.implausible():
         warnings.warn(f"{path}: {line}", ImplausibleWarning, stacklevel=3)
 
 

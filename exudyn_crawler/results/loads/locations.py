@@ -49,10 +49,10 @@ class PinsOfShoe(NamedTuple):
     shoe: int
 
 
-Place = Point | Pin | GroundUnit | OnTread | PinsOfShoe
+Location = Point | Pin | GroundUnit | OnTread | PinsOfShoe
 
 
-def words(place: Place) -> str:
+def words(place: Location) -> str:
     """Return the words of a place in tables, such as "front right" or "flange of roller 3 left"."""
     match place:
         case Point():

@@ -2,7 +2,7 @@
 
 import pytest
 
-from exudyn_crawler.machines.unscaled_values import kept_lines
+from exudyn_crawler.machines.unscaled_values import unscaled_lines
 
 SMALLER = """
 base = "translation"
@@ -19,7 +19,7 @@ def lines_of(tmp_path):
 
     def lines_of(text, changes=()):
         (tmp_path / "case.toml").write_text(text)
-        return kept_lines(tmp_path / "case.toml", changes)
+        return unscaled_lines(tmp_path / "case.toml", changes)
 
     return lines_of
 
@@ -45,7 +45,7 @@ def test_a_file_without_a_base_says_nothing(lines_of, tmp_path):
     written = write_case(
         CaseFile(case=Case.translation().with_({"shoe.mass": 2000.0})), tmp_path / "whole.toml"
     )
-    assert kept_lines(written) == []
+    assert unscaled_lines(written) == []
 
 
 def test_a_change_of_the_command_line_counts(lines_of):
