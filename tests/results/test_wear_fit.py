@@ -133,5 +133,5 @@ def test_wrong_inspections_are_refused(tmp_path, rows, said):
 def test_a_value_without_a_unit_is_refused(tmp_path):
     path = tmp_path / "seen.csv"
     path.write_text("date,machine hours,part,value\n2024-01-10,1000,bush,70\n")
-    with pytest.raises(ValueError, match="column 'value': its head has no unit"):
+    with pytest.raises(ValueError, match="column 'value': the unit is missing in its head"):
         read_inspections(path)

@@ -159,10 +159,10 @@ def read_inspections(path: str | Path) -> Inspections:
             near = difflib.get_close_matches(name, COLUMNS, n=1)
             hint = f"; did you mean {near[0]!r}?" if near else ""
             raise ValueError(
-                f"{path}: columns must be of {', '.join(COLUMNS)}, or hours of a run, got {name!r}{hint}"
+                f"{path}: columns must be among {', '.join(COLUMNS)}, or hours of a run, got {name!r}{hint}"
             )
         if name in columns:
-            raise ValueError(f"{path}: column {name!r} must stand once")
+            raise ValueError(f"{path}: column {name!r} must occur once")
         columns[name] = [row[place] for row in rows]
         if name == "value" or name.startswith(HOURS) or name in (MACHINE, PROPEL):
             wanted = "m" if name == "value" else "h"
@@ -171,7 +171,7 @@ def read_inspections(path: str | Path) -> Inspections:
             except ValueError as error:
                 raise ValueError(f"{path}: column {name!r}: {error}") from None
     if missing := [name for name in NEEDED if name not in columns]:
-        raise ValueError(f"{path}: there must be a column {missing[0]!r}, got {', '.join(columns)}")
+        raise ValueError(f"{path}: column {missing[0]!r} must be given, got {', '.join(columns)}")
 
     def hours(name: str) -> np.ndarray:
         return factors[name] * numbers(columns[name], f"{path}: {name}", gaps=name == PROPEL)
@@ -257,7 +257,7 @@ def _part(cell: str, where: str) -> PartName:
     if name not in known:
         near = difflib.get_close_matches(name, known, n=1)
         hint = f"; did you mean {near[0]!r}?" if near else ""
-        raise ValueError(f"{where}: part must be of {', '.join(known)}, got {cell!r}{hint}")
+        raise ValueError(f"{where}: part must be one of {', '.join(known)}, got {cell!r}{hint}")
     return known[name]
 
 

@@ -16,14 +16,14 @@ class WearPart(Parameters):
 
     part: PartName = option("wearing part")
     new: float = quantity(
-        "m", "new size: of a pitch over one link, else height or diameter", (5e-3, 1.5), gt=0, le=10
+        "m", "size of the new part: height or diameter, or the pitch of one link", (5e-3, 1.5), gt=0, le=10
     )
     limit: float | None = quantity(
         "m", "size at 100 % worn; none: makers' mean where they agree", (5e-3, 1.5), gt=0, le=10, default=None
     )
     exponent: float | Literal["fitted"] | None = quantity(
         "1",
-        "k of percent worn over hours, W = a x^k; none: Komatsu's",
+        "exponent k of percent worn over hours, W = a x^k; none: Komatsu's",
         (0.8, 3.0),
         in_place=f"{FREE!r}: fitted, from four inspections on",
         default=None,
