@@ -443,8 +443,8 @@ DURATION = "error: Invalid value for '--duration': duration must be positive and
 @pytest.mark.parametrize(
     ("line", "words"),
     [
-        ("run nowhere.toml", "no case file nowhere.toml"),
-        ("info nowhere.toml", "no case file nowhere.toml"),
+        ("run nowhere.toml", "there is no case file nowhere.toml"),
+        ("info nowhere.toml", "there is no case file nowhere.toml"),
         ("run .", ". is a folder, not a case file"),
         ("life .", ". is a folder, not a duty file"),
         ("info stres", "case must be a case file or a study of ['closed', 'demo', 'forces', "),
@@ -512,7 +512,7 @@ def test_a_traceback_is_for_debugging(call):
     code, _, err = call("run", "nowhere.toml", "--debug")
     assert code == 2
     assert err.startswith("Traceback")
-    assert err.endswith("error: no case file nowhere.toml\n")
+    assert err.endswith("error: there is no case file nowhere.toml\n")
 
 
 def of_an_interrupt():

@@ -227,7 +227,7 @@ def test_inputs_say_where_they_come_from(found):
     assert all(entry.how for entry in ledger)
     # values, units and meanings are those of the fields, or of the numbers that the formulas take
     assert ledger["length"].value == found.numbers.footprints.length
-    assert (ledger["length"].unit, ledger["length"].meaning[:10]) == ("m", "of a track")
+    assert (ledger["length"].unit, ledger["length"].meaning[:17]) == ("m", "length of a track")
     assert ledger["chain.weight"].value == found.numbers.chain.weight
     assert ledger["chain.weight"].unit == "N/m"
     remembered = Entry("gear.roller_radius", 0.4, "m", Origin.ASSUMED, "0.75 to 0.9 p, remembered")

@@ -188,7 +188,7 @@ def test_a_key_like_no_other_is_answered_with_what_is_allowed(refused):
         ("duration = 1e4", "terrain must carry the track over the whole drive: at t = "),
         ("[track]\nshoe_count = 12", "loads must name every shoe of the track (12) or be a number, got lo"),
         ("[outputs]\nshoes = [1, 14]", "outputs.shoes must be in 1..13, got [14]"),
-        ("[outputs]\npicture_times = [0, 20]", "outputs.picture_times must lie in 0..10 s, got [0.0, 20.0]"),
+        ("[outputs]\npicture_times = [0, 20]", "outputs.picture_times must be in 0..10 s, got [0.0, 20.0]"),
         ("[outputs]\npicture_times = [2, 1]", "outputs.picture_times: must be different and rise, got (2.0,"),
         ("[outputs]\npicture_times = [-1, 1]", "outputs.picture_times[0]: must be greater than or equal"),
         ("[outputs]\npicture_times = []", "outputs.picture_times: must have at least 1 item"),

@@ -157,7 +157,7 @@ WIDE = ground(10_000, 10_000)
     [
         (WIDE, 10.0, "terrain: 100000000 units would take 1.28e+09 GB of memory"),
         (WIDE.with_(contact=SphereContact.oil_sand()), 10.0, "100000000 units would take 2e+03 GB of memory"),
-        (STRAIGHT, 1e12, "duration: 1e+12 s leave 4.32e+06 TB, allowed is 1 TB"),
+        (STRAIGHT, 1e12, "duration: 1e+12 s would store 4.32e+06 TB, allowed is 1 TB"),
     ],
 )
 def test_what_no_machine_holds_is_refused_at_once(case, duration, told):

@@ -254,7 +254,7 @@ def test_the_command_writes_a_law_that_a_case_reads(told, refused, tmp_path):
     )
     assert read_case(case).case.contact.law == law.with_(cohesion=5e3)
     case.write_text(ground + '[contact]\nmodel = "cells"\n[contact.law]\nfile = "no.toml"\n')
-    with pytest.raises(CaseFileError, match=r"contact\.law\.file: no law file .*no\.toml"):
+    with pytest.raises(CaseFileError, match=r"contact\.law\.file: there is no law file .*no\.toml"):
         read_case(case)
 
 
