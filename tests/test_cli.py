@@ -63,6 +63,7 @@ COMMANDS = {
         "machines",
         "assess",
         "app",
+        "wear",
     ),
 }
 

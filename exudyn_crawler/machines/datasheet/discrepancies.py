@@ -49,7 +49,9 @@ def machine_discrepancies(case_file: CaseFile) -> Iterator[str]:
     own = {entry.path: entry for entry in fields.values_of(case) if follows.get(entry.path) != entry.value}
     sizes = plausible.Sizes(machine_mass(case), case.track.pitch, case.gear.length)
     rows = [
-        (path, "", name, own[path].value, own[path].unit) for name, path in case_paths().items() if path in own
+        (path, "", name, own[path].value, own[path].unit)
+        for name, path in case_paths().items()
+        if path in own
     ]
     if "track.shoe_count" in own:
         rows.append(("track.shoe_count", "of one track, ", "shoes", case.track.shoe_count // 2, ""))
