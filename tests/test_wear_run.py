@@ -6,7 +6,8 @@ from typer.testing import CliRunner
 
 from exudyn_crawler import read_wear, wear
 from exudyn_crawler.errors import CaseFileError
-from exudyn_crawler.wear_run import WEAR_FILES
+from exudyn_crawler.views.wear import file_name
+from exudyn_crawler.wear_run import INPUTS, OF_INSPECTIONS, WEAR_PAGE
 
 PLAN = """
 inspections = "seen.csv"
@@ -40,7 +41,12 @@ def plan(tmp_path):
 
 def test_inspections_alone_give_residual_hours_and_a_page(plan, tmp_path):
     found = wear(plan, tmp_path / "out")
-    assert {path.name for path in (tmp_path / "out").iterdir()} == set(WEAR_FILES)
+    assert {path.name for path in (tmp_path / "out").iterdir()} == {
+        *OF_INSPECTIONS,
+        INPUTS,
+        WEAR_PAGE,
+        file_name("percent worn"),
+    }
     table = pd.read_csv(tmp_path / "out" / "due.csv")
     assert table["part"].tolist() == ["left pitch", "right pitch", "right roller 3"]
     left = table.iloc[0]

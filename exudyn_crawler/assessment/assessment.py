@@ -24,7 +24,13 @@ KILO = 1e3
 ATTACHMENT = "work.payload and work.reach are a payload, or an attachment's mass and place; payload = 0: none"
 ITEMS_OF_A_CASE = (
     *(machine_items.pressure_items, machine_items.tipping_items, machine_items.pull_items),
-    *(part_items.chain_items, part_items.pin_items, part_items.roller_items, machine_items.across_items),
+    *(
+        part_items.chain_items,
+        part_items.pin_items,
+        part_items.pin_work_items,
+        part_items.roller_items,
+        machine_items.across_items,
+    ),
 )
 """Functions that yield the items of a load case."""
 

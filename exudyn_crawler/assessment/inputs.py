@@ -19,6 +19,8 @@ from exudyn_crawler.case import Case, CellContact, Machine, PairContact
 from exudyn_crawler.case.gear.running_gear import RunningGear
 from exudyn_crawler.ground.cells.laws.bekker import BekkerSoil
 from exudyn_crawler.origins import Ruled
+from exudyn_crawler.results.wear.closed_form import Bends, bends_of
+from exudyn_crawler.results.wear.duty_work import PIN_RADIUS
 from meshes.geometry import PITCH, ShoeDimensions
 
 RISE = 5e-3
@@ -30,7 +32,7 @@ HEAVY = 400e3
 PULL_OF_SHOVEL, PULL_OF_OTHERS = 0.5, 0.8
 """Greatest pull of a machine without a given torque, fraction of its weight (shovels 0.4 to 0.6, others 0.75
 to 1; recalled, not sourced)."""
-PINS = {"diameter": 0.21, "inner": 0.50, "outer": 0.20, "gap": 0.005}
+PINS = {"diameter": 2.0 * PIN_RADIUS, "inner": 0.50, "outer": 0.20, "gap": 0.005}
 """Dimensions of the pins, fraction of the pitch: diameter 0.20 to 0.22 (recalled); the others assumed, since
 no source has them."""
 
@@ -86,6 +88,8 @@ class ChainNumbers(NamedTuple):
     """Resistance of an idler that both runs pull at rest, N."""
     rises: tuple[float, float]
     """Rise over run of the chain from the outer roller to tumbler and to idler."""
+    bends: Bends
+    """Angles by which its hinges bend on the tumbler and on the idler, rad."""
 
 
 class GroundNumbers(NamedTuple):
@@ -398,7 +402,8 @@ def _chain(
     runs = gear.rollers[0] - ends[0].x, ends[1].x - gear.rollers[-1]
     rises = tuple(max(wheel.lift, 0.0) / run for wheel, run in zip(ends, runs, strict=True))
     shoes = case.track.shoe_count // case.tracks
-    numbers = ChainNumbers(weight, pitch, shoes, rest, breaking, speed, drag, (rises[0], rises[1]))
+    bends = bends_of(case)
+    numbers = ChainNumbers(weight, pitch, shoes, rest, breaking, speed, drag, (rises[0], rises[1]), bends)
     return numbers, {"drive.rest_tension": of_rest, "drive.breaking_tension": of_breaking}
 
 

@@ -21,6 +21,8 @@ ASSESSED = ("item", "utilisation", "within", "load case", "group", "number", "li
 """Key columns of an assessment."""
 WORN = ("part", "worn in %", "machine hours left", "at least", "at most", "about", "action")
 """Key columns of a wear forecast."""
+WORKED = ("part", "duty", "work a propel hour in kJ", "ratio", "hours left", "hours from")
+"""Key columns of the work of duties."""
 WHY = "what makes a difference"
 """Column of formulas beside runs, too wide for a terminal."""
 
@@ -265,10 +267,12 @@ def wear(
     out: application.OfName = None,
     overwrite: application.Overwrite = False,
 ) -> None:
-    """Forecast the wear of the undercarriage: percent worn and residual hours by inspections, what is due."""
+    """Forecast the wear of the undercarriage: work of a duty's runs, residual hours by inspections."""
     plan = crawler.read_wear(file)  # refused before slow imports
     folder = out or application.RESULTS / file.stem
-    found = crawler.wear(plan, folder, overwrite=overwrite)
+    found = crawler.wear(plan, folder, overwrite=overwrite, say=typer.echo)
+    if found.duties:
+        print_table(found.by_duty, f"{plan.name}: work and hours by duty", WORKED, folder / "duties.csv")
     if found.forecast is not None:
         print_table(found.forecast.table, f"{plan.name}: what is due first", WORN, folder / "due.csv")
     typer.echo("\n".join(found.lines))

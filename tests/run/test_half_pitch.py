@@ -9,6 +9,7 @@ from exudyn_crawler import Case, StepProfile, simulate
 from exudyn_crawler.case import Drive
 from exudyn_crawler.ground.cells.laws.rock import RockFloor
 from exudyn_crawler.results.history.summary import tension_along_chain
+from exudyn_crawler.results.wear.work import run_work
 from studies.closed import torque_by_tension
 
 pytestmark = [pytest.mark.simulation, pytest.mark.slow]
@@ -52,6 +53,14 @@ def test_a_turn_moves_half_as_many_shoes_as_there_are_teeth(rig):
     assert angle[-1] > 2.0 * math.pi
     shoes = (len(rows) - 1) / (angle[rows[-1]] - angle[rows[0]]) * 2.0 * math.pi
     assert shoes == pytest.approx(10.5, rel=3e-3)
+
+
+def test_work_of_pins_on_posts_is_that_of_tensions_and_bends(rig):
+    """By sweeps of 20 deg and more, against r (a_t (T1 + T2) + a_i (T3 + T4)); a quarter of a lap."""
+    work = run_work(rig, 0.1, 20.0, begin=1.2)
+    assert work.pins_by_threshold[20.0] == pytest.approx(work.by_tensions, rel=0.05)
+    half = run_work(rig.every(2), 0.1, 20.0, begin=1.2)
+    assert half.pins_by_threshold[20.0] == pytest.approx(work.pins_by_threshold[20.0], rel=0.02)
 
 
 def test_torque_is_what_tension_and_weight_say_over_whole_pitches(rig):

@@ -1,14 +1,18 @@
 """File of a wear forecast (TOML): parts with their sizes and laws, inspections, duties with their runs."""
 
+import math
 from pathlib import Path
 from typing import Literal
 
 from exudyn_crawler.results.wear.laws import PowerLaw, TwoRates, WearLaw
 from exudyn_crawler.results.wear.parts import PartName, limit_fraction, limit_words, makers_limits, parts
-from exudyn_crawler.settings.parameters import Errors, File, Name, Parameters, option, quantity
+from exudyn_crawler.settings import fields
+from exudyn_crawler.settings.parameters import Errors, File, Name, Parameters, Several, option, quantity
 from exudyn_crawler.settings.reading import read_parameters
 
 FREE = "fitted"
+SAME_SHARE = 1e-6
+"""Greatest difference of a sum of shares from 1."""
 
 
 class WearPart(Parameters):
@@ -39,6 +43,23 @@ class WearPart(Parameters):
     factor: float = quantity(
         "1", "rate of wear below the case over that in it", (1.0, 10.0), ge=1, le=100, default=3.0
     )
+    coefficient: float | None = quantity(
+        "m2/N",
+        "worn volume over work, for hours without an inspection; W grows as the work",
+        (1e-17, 1e-12),
+        gt=0,
+        le=1e-8,
+        default=None,
+    )
+    volume: float | None = quantity(
+        "m3",
+        "worn volume at the limit, for the coefficient; none: of a pitch, its growth x diameter x length of "
+        "the pin",
+        (1e-8, 1e-2),
+        gt=0,
+        le=1.0,
+        default=None,
+    )
     reading_error: float | None = quantity(
         "m",
         "standard deviation of a reading; none: from the scatter of the readings",
@@ -60,6 +81,10 @@ class WearPart(Parameters):
             yield f"limit must be {side} new = {self.new:g} m, got {self.limit:g} m"
         if self.exponent is not None and self.case is not None:
             yield "exponent and case must not be given together: each is a law of wear"
+        if self.coefficient is not None and self.volume is None and self.part != "pitch":
+            yield f"volume must be given with a coefficient of a part {self.part!r}: worn volume at the limit"
+        if self.volume is not None and self.coefficient is None:
+            yield "coefficient must be given with a volume"
         if isinstance(self.exponent, float) and not 0.2 <= self.exponent <= 5.0:
             yield f"exponent must be from 0.2 to 5, got {self.exponent:g}"
 
@@ -94,12 +119,78 @@ class WearPart(Parameters):
         return f"Komatsu's exponent; {found:g} found in a coal mine (D375A-5)"
 
 
+class PinJoint(Parameters):
+    """Joint of two links: pin and bush."""
+
+    radius: float | None = quantity(
+        "m", "of a pin; none: 0.105 pitches, as of usual pins", (5e-3, 0.15), gt=0, le=1, default=None
+    )
+    length: float | None = quantity(
+        "m", "of the bearing of pin and bush; none: 0.6 pitches", (0.02, 0.6), gt=0, le=5, default=None
+    )
+    state: Literal["dry", "greased", "sealed"] | None = option(
+        "lubrication; none: not known, and no hours by a coefficient", None
+    )
+    sealed_hours: float | None = quantity(
+        "h", "propel hours until a sealed joint is dry", (10.0, 1e4), ge=0, le=1e6, default=None
+    )
+
+    def _errors(self) -> Errors:
+        if self.sealed_hours is not None and self.state != "sealed":
+            yield f"sealed_hours must go with state 'sealed', got {self.state!r}"
+
+
+class WearRun(Parameters):
+    """Run of a duty, or part of one, with its share of the propel hours."""
+
+    name: Name = option("name in tables")
+    folder: File = option("folder of the run, or its history")
+    begin: float = quantity("s", "time in the run at which the counted part begins", ge=0, default=0.0)
+    end: float | None = quantity("s", "time at which it ends; none: the run's end", gt=0, default=None)
+    share: float = quantity("1", "share of the propel hours", gt=0, le=1)
+
+    def _errors(self) -> Errors:
+        if self.end is not None and self.end <= self.begin:
+            yield f"end must be after begin = {self.begin:g} s, got {self.end:g} s"
+
+
+class WearDuty(Parameters):
+    """Mix of runs that the propel hours consist of."""
+
+    name: Name = option("name of the duty", "duty")
+    runs: Several[WearRun] = option("runs with their shares of the propel hours, together 1")
+
+    def _errors(self) -> Errors:
+        names = [run.name for run in self.runs]
+        if len(set(names)) != len(names):
+            yield f"the runs' names must differ, got {fields.shown(names)}"
+        whole = sum(run.share for run in self.runs)
+        if abs(whole - 1.0) > SAME_SHARE:
+            yield f"shares of the propel hours must add up to 1, got {whole:.4g}"
+
+
 class WearPlan(Parameters):
     """Forecast of wear: parts, inspections and duties."""
 
     name: Name = option("name of the forecast", "wear")
     inspections: File | None = option("CSV file of inspections; none: no hours without a coefficient", None)
     parts: tuple[WearPart, ...] = option("wearing parts with their sizes", ())
+    duties: tuple[WearDuty, ...] = option(
+        "duties: the first is that of the inspections, others are forecast", ()
+    )
+    pin: PinJoint = option("joint of two links", PinJoint())
+    sweep: float = quantity(
+        "rad",
+        "least turn of a hinge that counts; pins without friction rattle by up to about 10 deg",
+        (0.03, 0.5),
+        ge=0,
+        le=1.5,
+        default=math.radians(20.0),
+    )
+    grouser_measure: Literal["friction work", "load times slip"] = option(
+        "measure of a grouser's wear; they differ by 2 to 26 times, and a coefficient belongs to one",
+        "friction work",
+    )
     by_run: bool = option(
         "fit a coefficient for each column `hours NAME` of the inspections, not one for all hours", False
     )
@@ -116,8 +207,18 @@ class WearPlan(Parameters):
         names = [part.part for part in self.parts]
         if double := sorted({name for name in names if names.count(name) > 1}):
             yield f"parts must differ, got {double[0]!r} twice"
-        if self.inspections is None:
-            yield "inspections must be given"
+        duties = [duty.name for duty in self.duties]
+        if len(set(duties)) != len(duties):
+            yield f"the duties' names must differ, got {fields.shown(duties)}"
+        if self.inspections is None and not self.duties:
+            yield "inspections or duties must be given, got neither"
+        by_coefficient = [part for part in self.parts if part.coefficient is not None]
+        if by_coefficient and not self.duties:
+            yield "duties must be given with a coefficient, which is worn volume over their work"
+        if any(part.part == "pitch" for part in by_coefficient) and self.pin.state is None:
+            yield "pin.state must be given with a coefficient of the pitch: dry, greased or sealed"
+        if by_coefficient and self.pin.state == "sealed" and self.pin.sealed_hours is None:
+            yield "pin.sealed_hours must be given with a coefficient and sealed pins"
         if self.inspections is not None and not self.parts:
             yield "parts must be given with inspections: new size and limit of each measured part"
 
