@@ -7,6 +7,7 @@ import numpy as np
 import pandas as pd
 
 from benchmarks.growth import longer, timed
+from exudyn_crawler.case import statics
 from exudyn_crawler.ground.cells.contact import CellGroundContact
 from exudyn_crawler.ground.cells.laws.bekker import BekkerSoil
 from exudyn_crawler.ground.cells.laws.rock import RockFloor
@@ -46,9 +47,9 @@ def parts() -> Iterator[dict[str, object]]:
     for name, law in GROUNDS.items():
         case = longer(SHOES).on_cells(law)
         ground = CellGroundContact(case).ground
-        depth = law.sinkage(case.mean_load / (case.shoe.length * case.shoe.width), case.shoe.length)
+        depth = law.sinkage(statics.mean_load(case) / (case.shoe.length * case.shoe.width), case.shoe.length)
         before = np.zeros((SHOES, 18))
-        before[:, :3], before[:, 3:12] = case.shoe_reference[:, :3], np.eye(3).ravel()
+        before[:, :3], before[:, 3:12] = case.gear.shoe_reference(case)[:, :3], np.eye(3).ravel()
         before[:, 2] = case.shoe.com_height - depth
         frames = before.copy()
         frames[:, 0] += SLIP

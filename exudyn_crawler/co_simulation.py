@@ -27,7 +27,7 @@ from pythonfmu.enums import Fmi2Status
 from threadpoolctl import threadpool_limits
 
 from exudyn_crawler import errors, files
-from exudyn_crawler.case import Case, MachineCycle, MachinePhase
+from exudyn_crawler.case import Case, MachineCycle, MachinePhase, statics
 from exudyn_crawler.case.gear.running_gear import RunningGear
 from exudyn_crawler.machines import CaseFile, read_case, write_case
 from exudyn_crawler.model import diagnostics
@@ -216,13 +216,13 @@ def _output_names(case: Case) -> dict[str, Meaning]:
     """Return names and meanings of `outputs`; of two closed tracks the right one's drive comes first."""
     name = _drive_name(case)
     named = {name: DRIVES[name]}
-    if case.tracks > 1:
+    if case.gear.tracks > 1:
         named = {
             f"drive_moment[{track}]": Meaning("N.m", f"drive moment on the tumbler of track {track}")
             for track in (1, 2)
         }
     vectors = {f"side_frame_{name}": meaning for name, meaning in FRAME.items()}
-    for link in case.joints:
+    for link in case.gear.joints(case.track):
         vectors[f"joint_force[{link}]"] = Meaning(
             "N", f"force of the joint ahead of shoe {link} on this shoe"
         )
@@ -268,9 +268,9 @@ class MachineOnTrack(Fmi2Slave):
         moment = Meaning("N.m", "moment about the side frame's origin")
         named = {f"force.{axis}": force for axis in AXES} | {f"moment.{axis}": moment for axis in AXES}
         named["speed"] = Meaning("m/s", "speed of the drive at the end of a step")
-        if self._case.tracks > 1:
+        if self._case.gear.tracks > 1:
             named["turn_rate"] = Meaning("rad/s", "turn rate of the machine to the left at the end of a step")
-        wrench = np.ravel(self._case.machine_wrench(0.0)).tolist()
+        wrench = np.ravel(statics.machine_wrench(self._case, 0.0)).tolist()
         self._inputs = dict.fromkeys(named, 0.0) | dict(zip(named, wrench, strict=False))
         self._register(named, self._inputs, Fmi2Causality.input)
         self._register(_output_names(self._case), self._outputs, Fmi2Causality.output)

@@ -12,7 +12,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike
 
-from exudyn_crawler.case import Rolled
+from exudyn_crawler.case import Rolled, statics
 from exudyn_crawler.case.gear.base import POSTS
 from exudyn_crawler.case.gear.closed import Closed
 from exudyn_crawler.case.parameters.base import inertia_tensor
@@ -93,7 +93,7 @@ def _side_frame(history: History) -> _Motion:
     for kind in ("bogie", "arm"):
         if history.has(f"{kind}_angle"):
             raise ValueError(f"gear.{kind}s must be empty: balances do not include {kind}s")
-    parts = history.case.frame_parts
+    parts = history.case.gear.frame_parts
     mass = sum(part.mass for part in parts)
     center = sum(part.mass * part.com for part in parts) / mass
     inertia = np.zeros((3, 3))
@@ -124,12 +124,12 @@ def _others(history: History, frame: _Motion) -> Iterator[_Motion]:
     take_up = _of_tracks(history, "take_up")
     inertia = inertia_tensor(closed.tumbler.inertia)
     still = np.zeros_like(take_up)
-    angle = case.assembled.tumbler[4] + _of_tracks(history, "tumbler_angle")
+    angle = closed.assembled(case).tumbler[4] + _of_tracks(history, "tumbler_angle")
     for place, *turn in zip(places, angle, _of_tracks(history, "tumbler_speed"), still, strict=True):
         yield _riding(frame, time, place, turn, closed.tumbler.mass, inertia)
     if (slide := closed.idler.slide) is not None:
-        arms = case.idler_reference[:, None, :3] - case.frame_start
-        arms = arms + (take_up - case.assembled.take_up)[..., None] * np.eye(3)[0]
+        arms = closed.idler_reference(case)[:, None, :3] - closed.frame_start(case)
+        arms = arms + (take_up - closed.assembled(case).take_up)[..., None] * np.eye(3)[0]
         inertia = slide.inertia_tensor(closed.idler.radius)
         for place, way in zip(_times(frame.axes, arms), take_up, strict=True):
             yield _riding(frame, time, frame.origin + place, [still[0], still[0], way], slide.mass, inertia)
@@ -296,7 +296,7 @@ def energies(history: History) -> xr.Dataset:
         height -= terrain.unit_mass * heave.sum(axis=1) * gravity[2]
         springs = 0.5 * terrain.heave_stiffness * np.sum(heave**2, axis=1)
         stored["springs"] = springs + 0.5 * terrain.tilt_stiffness * np.sum(tilt**2, axis=1)
-    if case.frame_parts:
+    if case.gear.frame_parts:
         side = _side_frame(history)
         by_body = [motion.energies(gravity) for motion in (side, *_others(history, side))]
         stored["frame_kinetic"], stored["frame_gravitational"] = (
@@ -311,7 +311,7 @@ def energies(history: History) -> xr.Dataset:
             push = spring.preload - spring.stiffness * _of_tracks(history, "take_up")
             stored["tensioners"] = 0.5 * np.sum(push**2, axis=0) / spring.stiffness
         elif (recoil := case.part(Closed).idler.recoil) is not None:
-            back = case.assembled.take_up - _of_tracks(history, "take_up")
+            back = case.part(Closed).assembled(case).take_up - _of_tracks(history, "take_up")
             stored["tensioners"] = np.sum(recoil.preload * back + 0.5 * recoil.stiffness * back**2, axis=0)
     if case.flexible is not None:
         squares = (history.modal_coordinate.values * 2.0 * np.pi * history.frequency.values) ** 2
@@ -410,7 +410,7 @@ def _closed_powers(history: History, shoes: _Motion) -> dict[str, np.ndarray]:
     case = history.case
     frame = _side_frame(history)
     tumblers = list(_others(history, frame))
-    count = case.loop.shoe_count
+    count = case.gear.loop(case.track).shoe_count
     taken = {}
     wheels = ([frame] * len(tumblers), "wheel_load")
     teeth = (tumblers, "tooth_force")
@@ -433,7 +433,7 @@ def _closed_powers(history: History, shoes: _Motion) -> dict[str, np.ndarray]:
         pushed = data.wheel_force.values[:, idlers] @ frame.axes[..., :1]
         taken["wheel_losses"] -= np.sum(pushed[..., 0] * rate, axis=1)
     drive = np.sum(_of_tracks(history, "drive_moment") * _of_tracks(history, "tumbler_speed"), axis=0)
-    force, moment = case.machine_wrench(time)
+    force, moment = statics.machine_wrench(case, time)
     machine = np.sum(force * frame.velocity + moment * frame.omega, axis=-1)
     return {"drive": drive, "machine_load": machine} | taken
 
@@ -513,16 +513,16 @@ def frame_actions(history: History) -> Iterator[acting.Action]:
     Raises `ValueError` without a side frame, or if posts hold it.
     """
     case = history.case
-    if not case.frame_parts or case.gear.holds == POSTS:
+    if not case.gear.frame_parts or case.gear.holds == POSTS:
         raise ValueError(f"{case.name!r} must have a side frame that no posts hold")
     origin = history.side_frame_position.values
     turn = rotation_matrices(history.side_frame_angles.values)
     zero = np.zeros_like(origin)
-    for part in case.frame_parts:
+    for part in case.gear.frame_parts:
         weight = zero + part.mass * case.gravity_vector()
         center = origin + turn @ part.com
         yield acting.Action(Kind.WEIGHT, 0, Point.CENTER, center, weight, zero)
-    wrench = case.machine_wrench(history.time.values)
+    wrench = statics.machine_wrench(case, history.time.values)
     yield acting.Action(Kind.MACHINE, 0, Point.ORIGIN, origin, *wrench)
     if history.has("wheel_load"):
         for shoe in case.track.shoes.tolist():

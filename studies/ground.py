@@ -16,7 +16,7 @@ import xarray as xr
 from numpy.typing import ArrayLike
 
 from exudyn_crawler import Case, CaseFile, Duty, FatigueMaterial, FlexibleShoes, History
-from exudyn_crawler.case import Heights
+from exudyn_crawler.case import Heights, statics
 from exudyn_crawler.case.gear.rolled import Rolled
 from exudyn_crawler.case.parameters.heights import Ridge, Stone
 from exudyn_crawler.case.parameters.terrain import CellContact, CellTerrain
@@ -154,7 +154,7 @@ def row(run: CaseRun) -> dict[str, float]:
     tilt = np.abs(history.angles.sel(axis="y").values)
     carried = history.contacts_by_shoe()
     case = history.case
-    evenly = float(case.pressed(case.first_loads).mean())
+    evenly = float(statics.pressed(case, case.gear.first_loads(case)).mean())
     pressed = carried.normal_force.sel(axis="z").values > 0.25 * evenly
     sunk = np.where(pressed, carried.penetration.values, np.nan)
     heave = history.side_frame_position.sel(axis="z").values

@@ -103,7 +103,7 @@ def _case(path: Path) -> None:
 def _run_case(path: Path) -> None:
     """Run a case as the command does, for a moment."""
     file = read_case(path)
-    if file.case.frame_parts:
+    if file.case.gear.frame_parts:
         rest = standing(file.case)
         checks.warn_of(() if rest is None else rest.warnings)
     simulate(file.case, min(file.duration, MOMENT), progress=False)

@@ -410,8 +410,8 @@ def test_closed_tracks_are_units_too(base, tmp_path):
     run, free = at_rest(case)
     assert names == free.keys()
     for end in np.arange(0.01, 0.11, 0.01):
-        run.advance(0.01, float(end), 0.0 * WRENCH, 0.1 * float(end) * (case.tracks - 1))
+        run.advance(0.01, float(end), 0.0 * WRENCH, 0.1 * float(end) * (case.gear.tracks - 1))
     speed = np.atleast_1d(run.history().tumbler_speed.values[0])
     expected = (0.1 - 0.01 * case.gear.middles) / case.gear.travel_per_angle(case.track)
     np.testing.assert_allclose(speed, expected, rtol=1e-6)
-    assert ("turn_rate" in {one.name for one in variables}) == (case.tracks == 2)
+    assert ("turn_rate" in {one.name for one in variables}) == (case.gear.tracks == 2)

@@ -272,8 +272,7 @@ class _EndWheel(NamedTuple):
 
 def _end_wheels(case: Case, gear: Machine, pitch: float) -> tuple[_EndWheel, _EndWheel]:
     """Return tumbler and idler, with the pins on the belt that the chain is assembled along."""
-    rails = case.shoe.rails
-    assert rails is not None  # of a closed track
+    rails = case.shoe.roller_path
     rise = rails.height - case.track.pin_height
     lowest = -(gear.roller_radius + rise)
     tumbler_x, tumbler_z = gear.tumbler.place
@@ -301,18 +300,18 @@ def _stands(gear: Machine, ends: tuple[_EndWheel, _EndWheel], pitch: float) -> _
 
 def _weights(case: Case, gear: Machine, middle: float) -> MachineWeights:
     """Return masses and centres of the slewing and the fixed parts."""
-    start = case.frame_start
+    start = gear.frame_start(case)
     shift = np.array([-middle, 0.0, start[2]])
     body = gear.car_body
     fixed = [(part.mass, part.com) for part in gear.frame_parts[:-1]]
-    tumblers = case.tumbler_reference[:, :3] - start
+    tumblers = gear.tumbler_reference(case)[:, :3] - start
     fixed += [(gear.tumbler.mass, place) for place in tumblers]
     if (slide := gear.idler.slide) is not None:
-        fixed += [(slide.mass, place) for place in case.idler_reference[:, :3] - start]
+        fixed += [(slide.mass, place) for place in gear.idler_reference(case)[:, :3] - start]
     for parts, reference in ((gear.bogies, gear.bogie_reference), (gear.arms, gear.arm_reference)):
-        places = reference(case.shoe, case.track)[:, :3] - start
+        places = reference(case)[:, :3] - start
         fixed += zip([part.mass for part in parts] * gear.tracks, places, strict=True)
-    shoes = case.shoe_reference[:, :3] - start
+    shoes = gear.shoe_reference(case)[:, :3] - start
     fixed.append((case.shoe.mass * len(shoes), shoes.mean(axis=0)))
     mass = sum(part for part, _ in fixed)
     com = np.sum([part * place for part, place in fixed], axis=0) / mass + shift
@@ -350,8 +349,7 @@ def _rollers(case: Case, gear: Machine, middle: float, length: float, pitch: flo
 
 def _shoe(case: Case, settings: AssessmentSettings, pitch: float) -> ShoeNumbers:
     """Return the shoe with its hinges: those of the ready shoe, or sizes by the pitch for another shoe."""
-    rails = case.shoe.rails
-    assert rails is not None  # of a closed track
+    rails = case.shoe.roller_path
     ready = abs(case.track.pitch - PITCH) < 1e-6 and abs(case.shoe.width - ShoeDimensions.width) < 1e-6
     own = {
         "diameter": 2.0 * ShoeDimensions.bore_radius,
@@ -377,8 +375,7 @@ def _chain(
     ends: tuple[_EndWheel, _EndWheel],
 ) -> tuple[ChainNumbers, dict[str, Ruled]]:
     """Return the chain with its rest tension (sag or pretension), its breaking tension, and their rules."""
-    rails = case.shoe.rails
-    assert rails is not None  # of a closed track
+    rails = case.shoe.roller_path
     pitch = gear.chain_pitch(case.track)
     weight = shoe.mass * case.gravity / pitch
     idler = gear.idler
@@ -401,7 +398,7 @@ def _chain(
     drag = 2.0 * gear.rolling_resistance * rest
     runs = gear.rollers[0] - ends[0].x, ends[1].x - gear.rollers[-1]
     rises = tuple(max(wheel.lift, 0.0) / run for wheel, run in zip(ends, runs, strict=True))
-    shoes = case.track.shoe_count // case.tracks
+    shoes = case.track.shoe_count // case.gear.tracks
     bends = bends_of(case)
     numbers = ChainNumbers(weight, pitch, shoes, rest, breaking, speed, drag, (rises[0], rises[1]), bends)
     return numbers, {"drive.rest_tension": of_rest, "drive.breaking_tension": of_breaking}

@@ -95,11 +95,11 @@ def forces_of_run(history: History, name: str, begin: float | None = None) -> Ru
     turned = rotation_matrices(history.side_frame_angles.transpose("time", "axis").values[late])
     part = case.track.pitch * case.shoe.width
     stands = on_shoes > LEAST_PART * on_shoes.max()
-    tracks = on_shoes.reshape(len(on_shoes), case.tracks, -1).sum(axis=2)
+    tracks = on_shoes.reshape(len(on_shoes), case.gear.tracks, -1).sum(axis=2)
     wheels = history.dataset.wheel_force.transpose("time", "wheel", "axis").values[late]
     rolls = np.array([label.kind == "roller" for label in case.gear.wheel_labels])
     on_rollers = np.linalg.norm(wheels[:, rolls], axis=-1)
-    greatest = on_rollers.max(axis=0).reshape(case.tracks, -1)
+    greatest = on_rollers.max(axis=0).reshape(case.gear.tracks, -1)
     torque = history.dataset.drive_moment.transpose("time", "track").values[late]
     moves = turns or any(case.drive.speed.values)
     relief = case.terrain.relief
@@ -142,7 +142,7 @@ def _foot(history: History, late: np.ndarray, on_shoes: np.ndarray, turned: np.n
     frame = history.side_frame_position.transpose("time", "axis").values[late]
     along = np.einsum("tsx,tx->ts", shoes - frame[:, None], turned[..., 0])
     whole = on_shoes.sum(axis=1)
-    tracks = on_shoes.reshape(len(on_shoes), case.tracks, -1).sum(axis=2)
+    tracks = on_shoes.reshape(len(on_shoes), case.gear.tracks, -1).sum(axis=2)
     aside = tracks @ np.array(gear.middles) / whole
     return np.stack(((on_shoes * along).sum(axis=1) / whole - gear.car_body.swing_axis, aside), axis=1)
 
@@ -158,8 +158,8 @@ def _at_tumblers(history: History, late: np.ndarray) -> np.ndarray:
     frame = history.side_frame_position.transpose("time", "axis").values[late]
     x, z = (pins[..., c] - frame[:, None, c] for c in (0, 2))
     radius = gear.tumbler.radius(case.track.pitch)
-    means = np.zeros((case.tracks, 2))
-    each = tension.shape[1] // case.tracks
+    means = np.zeros((case.gear.tracks, 2))
+    each = tension.shape[1] // case.gear.tracks
     for track, end in np.ndindex(*means.shape):
         links = slice(track * each, (track + 1) * each)
         height = gear.tumbler.place[1] + (2 * end - 1) * radius

@@ -55,7 +55,7 @@ def check_of(case: Case, settings: AssessmentSettings, ready_shoe: bool) -> read
         name="shoe of the assessment",
         mesh=str(mesh),
         material=settings.material,
-        track=None if ready_shoe else case.loop,
+        track=None if ready_shoe else case.gear.loop(case.track),
         roller_radius=gear.roller_radius,
         tread_width=gear.tread_width,
         levels=(),

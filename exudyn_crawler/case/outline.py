@@ -1,6 +1,29 @@
-"""Outline of a track on the ground, and its motion with the drive."""
+"""Outline of a track on the ground, its motion with the drive, and the ground that it needs."""
 
 import numpy as np
+
+from exudyn_crawler.case.gear.base import Whole
+from exudyn_crawler.settings.parameters import Errors
+
+
+def outlines(case: Whole, times: np.ndarray) -> np.ndarray:
+    """Return the corners of the track on the ground at times (s): array (times, 4, 2), m, global x and y.
+
+    The drive moves and turns the outline; a machine on two tracks follows its heading. A track under a
+    rolling side frame stands still.
+    """
+    corners = corners_of(case.shoe.footprint, case.gear.shoe_reference(case))
+    return moved(corners, case.drive.turn(times), case.gear.way(case.drive, times))
+
+
+def support_errors(case: Whole, times: np.ndarray) -> Errors:
+    """Yield an error for each part off the track, and for a track off the terrain, at times (s)."""
+    corners_at = outlines(case, times)
+    travels = case.drive.travel(times)
+    for time, travel, corners in zip(times.tolist(), travels.tolist(), corners_at, strict=True):
+        yield from case.gear.reach_errors(case.track, travel, time)
+        yield from case.terrain.reach_errors(corners, time)
+    yield from case.terrain.map_errors(corners_at)
 
 
 def corners_of(footprint: np.ndarray, coms: np.ndarray) -> np.ndarray:

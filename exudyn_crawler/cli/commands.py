@@ -209,7 +209,7 @@ def run(
 
 def show_standing(case: "Case") -> None:
     """Print how a machine stands on its track, and warn of chains that are too taut or too slack."""
-    if not case.frame_parts:
+    if not case.gear.frame_parts:
         return
     from exudyn_crawler.case.parameters import checks
     from exudyn_crawler.run.solve.standing import standing

@@ -4,7 +4,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from exudyn_crawler.case import Case, StepProfile
+from exudyn_crawler.case import Case, StepProfile, statics
 from exudyn_crawler.engine import bodies, euler_parameters
 from exudyn_crawler.model.exudyn import EulerParameters2G, EulerParameters2RotationMatrix, exu, items
 from exudyn_crawler.model.forces.loads import static_friction
@@ -44,7 +44,7 @@ def add_hold(mbs: "exu.MainSystem", case: Case, tables: Tables, shoes: bodies.Sh
     ground = mbs.CreateGround()
     ends = [ground, shoes.markers[tables.joints.drive.marker]]
     mbs.CreateGenericJoint("hold of the front shoe", ends, constrainedAxes=[1, 1, 0, 0, 0, 1])
-    damping = 2.0 * np.sqrt(shoe.mass * case.mean_load / case.settled_penetration)
+    damping = 2.0 * np.sqrt(shoe.mass * statics.mean_load(case) / statics.settled_penetration(case))
     arms = np.array([1.0, 1.0, 1.0, 0.5 * shoe.width, 0.5 * shoe.length, 0.5 * shoe.width])
     for node, force, moment in zip(shoes.nodes, *static_friction(case, tables.bodies.mass), strict=True):
         mbs.CreateForce(itemNumber=node, loadVector=force)

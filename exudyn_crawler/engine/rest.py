@@ -4,7 +4,7 @@ from contextlib import suppress
 
 import numpy as np
 
-from exudyn_crawler.case import Case
+from exudyn_crawler.case import Case, statics
 from exudyn_crawler.case.parameters.contact import SphereContact
 from exudyn_crawler.engine.system import ExudynSystem
 from exudyn_crawler.errors import EquilibriumError
@@ -45,7 +45,7 @@ def exudyn_rest(case: Case) -> np.ndarray:
             raise
         raise EquilibriumError(
             f"{error}. The spheres' radius of {case.part(SphereContact).radius} m may "
-            f"be too small for a settled penetration of {case.settled_penetration:.4g} m."
+            f"be too small for a settled penetration of {statics.settled_penetration(case):.4g} m."
         ) from error
     contact = system.contact
     if isinstance(contact, sphere_contact.SphereGroundContact) and (sunken := contact.sunken(q)):

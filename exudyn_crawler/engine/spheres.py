@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from exudyn_crawler.case import Case
+from exudyn_crawler.case import Case, statics
 from exudyn_crawler.case.parameters.contact import SphereContact
 from exudyn_crawler.case.parameters.terrain import Terrain
 from exudyn_crawler.ground import sphere_contact
@@ -19,7 +19,7 @@ def add_spheres(
 ) -> "exu.GeneralContact":
     """Add spheres on the bodies of a case's shoes, and faces of its units, two triangles each.
 
-    Damping and friction are those of `case.part(SphereContact)`, the stiffness is `case.sphere_stiffness`.
+    Damping and friction are those of `case.part(SphereContact)`, the stiffness is `statics.sphere_stiffness`.
     `static` omits friction: there is none at rest, and the track would creep on the way to it.
     """
     spheres = case.part(SphereContact)
@@ -36,7 +36,7 @@ def add_spheres(
     contact.SetSearchTreeCellSize([*np.ceil((high - low) / CELL).astype(int), 1])
     contact.SetSearchTreeBox([*low, tops.min() - 1.0], [*high, tops.max() + 1.0])
     # the stiffnesses of both partners act in series, their dampings add; the last is their friction's number
-    law = 2.0 * case.sphere_stiffness, 0.5 * spheres.damping / spheres.count, 0
+    law = 2.0 * statics.sphere_stiffness(case, spheres), 0.5 * spheres.damping / spheres.count, 0
     half = 0.5 * np.array([terrain.unit_length, terrain.unit_width]) - sphere_contact.face_inset(case)
     corners = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]]) * half
     for node, top, slope in zip(unit_nodes, tops, terrain.slopes, strict=True):

@@ -171,5 +171,5 @@ def ground_contact(
     coordinates = terrain_coordinates(case)
     if isinstance(coordinates, UnitCoordinates) and case.contact.model == "spheres":
         return sphere_contact.SphereGroundContact(case, coordinates)
-    of_case = case.shoe_reference, case.shoe, case.part(Terrain), case.part(PairContact)
+    of_case = case.gear.shoe_reference(case), case.shoe, case.part(Terrain), case.part(PairContact)
     return PairGroundContact(*of_case, coordinates, underside, flexible_shoes)

@@ -8,7 +8,7 @@ import math
 
 import numpy as np
 
-from exudyn_crawler.case import Case, Terrain
+from exudyn_crawler.case import Case, Terrain, statics
 from exudyn_crawler.case.parameters.contact import SphereContact
 from exudyn_crawler.ground.pairs import RESULT, RESULTS
 from exudyn_crawler.ground.rotations import angular_velocity, rotation_matrices
@@ -40,7 +40,7 @@ def face_inset(case: Case) -> tuple[float, float]:
     if spheres.faces == "whole":
         return 0.0, 0.0
     radius = spheres.radius
-    depth = case.settled_penetration
+    depth = statics.settled_penetration(case)
     height = radius - depth
     slant = radius / (1.0 + 0.5 * depth / height)  # from 2 (radius - slant) height / slant = depth
     inset = math.sqrt(slant**2 - height**2)

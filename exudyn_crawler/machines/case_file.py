@@ -9,6 +9,7 @@ import tomlkit
 from annotated_types import Ge
 from pydantic import BaseModel
 
+from exudyn_crawler.case import statics
 from exudyn_crawler.case.case import Case
 from exudyn_crawler.case.parameters import drive
 from exudyn_crawler.machines.datasheet.sheet import Datasheet
@@ -219,12 +220,12 @@ def run_lines(case_file: CaseFile) -> list[str]:
     shoe = case.shoe
     weight = f"{shoe.mass / 1e3:.4g} t" if shoe.mass >= 1e3 else f"{shoe.mass:.4g} kg"
     track = f"track: {shoes} shoes of {weight}"
-    if not case.frame_parts:
-        loads = shoes * case.mean_load
+    if not case.gear.frame_parts:
+        loads = shoes * statics.mean_load(case)
         pressure = loads / (shoes * shoe.ground_area)
         track += (
             f"; the ground carries {loads / 1e6:.4g} MN at the start, {pressure / 1e3:.4g} kPa below the "
-            f"shoes, which sink by about {1e3 * case.settled_penetration:.3g} mm"
+            f"shoes, which sink by about {1e3 * statics.settled_penetration(case):.3g} mm"
         )
     way = float(case.drive.speed.integral(end))
     quiet = case.drive.quiet_time(end)

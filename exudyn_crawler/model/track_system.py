@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from exudyn_crawler.case import Case, Terrain
+from exudyn_crawler.case import Case, Terrain, statics
 from exudyn_crawler.case.gear.base import POSTS
 from exudyn_crawler.model.assemble import Assembly
 from exudyn_crawler.model.exudyn import exu
@@ -71,13 +71,15 @@ class TrackSystem(ABC):
         # a view of the other bodies, whose coordinates come last
         others = q[len(q) - 6 * len(self.layout.bodies) :].reshape(-1, 6)
         if case.gear.loops:
-            loaded = float(case.settled_depths(case.pressed(case.first_loads)).max())
+            loaded = float(
+                statics.settled_depths(case, statics.pressed(case, case.gear.first_loads(case))).max()
+            )
             shoes[:, 2] = -sag - loaded
             others[:, 2] = -sag - loaded
             return q
         # rails of neighbours at one height: rollers may be on either
-        loads = case.pressed(case.loads.loads(0.0)[0])
-        shoes[:, 2] = -sag - case.settled_depths(loads)
+        loads = statics.pressed(case, case.loads.loads(0.0)[0])
+        shoes[:, 2] = -sag - statics.settled_depths(case, loads)
         x = self.contact.shoe_reference[:, 0]
         half = 0.5 * case.shoe.length
         rear = self.contact.surface(x - half)

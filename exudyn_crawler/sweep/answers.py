@@ -283,7 +283,7 @@ def _counted(quantity: Quantity, case: Case) -> tuple[str, list[int]]:
     Contacts count by shoe, since pairs differ from run to run.
     """
     flexible = [] if case.flexible is None else [*case.flexible.shoes]
-    links = case.joints.tolist()
+    links = case.gear.joints(case.track).tolist()
     counted = {
         "shoe": case.track.shoes.tolist(),
         "flexible shoe": flexible,

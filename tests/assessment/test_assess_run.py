@@ -253,7 +253,7 @@ def test_roller_on_a_ridge_beside_a_run(ahead, limit):
         held = ahead * (weights.lower_mass + weights.upper_mass) - weights.lower_mass * weights.lower_com[0]
         _, aside, above = case.gear.car_body.upper_com
         case = case.with_({"gear.car_body.upper_com": (held / weights.upper_mass, aside, above)})
-    ridge = Ridge(x=float(case.frame_start[0]) + 0.25, height=0.1, width=0.3, flank=0.3)
+    ridge = Ridge(x=float(case.gear.frame_start(case)[0]) + 0.25, height=0.1, width=0.3, flank=0.3)
     history = simulate(case.on_cells(RockFloor.hard_floor(), Heights(parts=(ridge,))), 10.0, progress=False)
     assert run_forces.forces_of_run(history, "ridge").uneven
     numbers = numbers_of(case, BARE)
@@ -369,5 +369,5 @@ def test_a_shoe_is_checked_by_its_mesh_or_not_at_all():
     assert check_of(case, settings, ready_shoe=False) is None
     own = case.with_(flexible=Case.stress("study").part(FlexibleShoes).with_(shoes=(3,)))
     check = check_of(own, settings, ready_shoe=False)
-    assert (check.mesh, check.track) == ("study", case.loop)
+    assert (check.mesh, check.track) == ("study", case.gear.loop(case.track))
     assert check.roller_radius == case.gear.roller_radius

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from exudyn_crawler import Case
-from exudyn_crawler.case import SIDES, Drive, LoadCycle, MachineCycle, StepProfile
+from exudyn_crawler.case import SIDES, Drive, LoadCycle, MachineCycle, StepProfile, outline
 from exudyn_crawler.case.parameters import assembly
 from exudyn_crawler.case.parameters.closed_track import Tensioner
 from exudyn_crawler.case.parameters.machine_cycle import Pose
@@ -21,13 +21,18 @@ RATES = {"speed": 0.3, "turn_rate": 0.05}
 """m/s and rad/s of a machine that turns as it goes."""
 
 
+def start_of(case):
+    """Return the start of a case's closed track."""
+    return case.gear.assembled(case)
+
+
 def openings(case):
     """By how much the front pin of every shoe is apart from the rear pin of the next one, m."""
-    shoes, track = case.shoe_reference, case.track
+    shoes, track = case.gear.shoe_reference(case), case.track
     turn, pitch = rotation_matrices(shoes[:, 3:]), case.gear.chain_pitch(track)
     front = shoes[:, :3] + turn @ [track.pin_ahead, 0.0, track.pin_height]
     rear = shoes[:, :3] + turn @ [track.pin_ahead - pitch, 0.0, track.pin_height]
-    behind, ahead = case.links.T - 1
+    behind, ahead = case.gear.links(case.track).T - 1
     return np.linalg.norm(front[behind] - rear[ahead], axis=1)
 
 
@@ -45,10 +50,10 @@ def test_chain_closes_to_rounding(changes):
     case = Case.closed().with_(changes)
     assert openings(case).max() < 1e-12
     # pitch falls by a turn round the loop, from a shoe that lies flat and has its given place
-    angles = case.shoe_reference[:, 4]
+    angles = case.gear.shoe_reference(case)[:, 4]
     assert angles[0] == pytest.approx(0.0, abs=0.01)
     assert np.ptp(angles) == pytest.approx(2.0 * math.pi, abs=0.7)
-    assert case.shoe_reference[0, 0] == pytest.approx(case.track.first_com[0], abs=1e-12)
+    assert case.gear.shoe_reference(case)[0, 0] == pytest.approx(case.track.first_com[0], abs=1e-12)
 
 
 TAUT = {"gear.idler.slack": 0.0}
@@ -68,7 +73,7 @@ def test_slides_are_lines_that_do_not_turn_at_even_steps():
     case = with_slides().with_(TAUT)
     closed, wheels = case.gear, case.gear.wheels(0.0)
     assert openings(case).max() < 1e-12
-    assert case.assembled.take_up == pytest.approx(Case.closed().with_(TAUT).assembled.take_up, abs=1e-12)
+    assert start_of(case).take_up == pytest.approx(start_of(Case.closed().with_(TAUT)).take_up, abs=1e-12)
     first = [name.startswith("slide 1, line ") for name in case.gear.wheel_names]
     lines = wheels[first]
     assert lines[:, 0] == pytest.approx(np.linspace(-2.7, -0.9, 5))
@@ -89,14 +94,14 @@ def test_slides_that_rails_lie_on_three_lines_of_or_that_overlap_are_refused():
 def test_other_numbers_of_shoes_move_the_idler(count):
     case = Case.closed(count)
     assert openings(case).max() < 1e-12
-    way = case.assembled.take_up - Case.closed().assembled.take_up
+    way = start_of(case).take_up - start_of(Case.closed()).take_up
     # both runs become longer by half of a shoe
     assert way == pytest.approx(0.5 * (count - 38) * case.track.pitch, rel=0.05)
 
 
 def test_take_up_of_a_slack_chain_is_short_of_that_of_a_taut_one():
-    taut = Case.closed().with_(TAUT).assembled
-    slack = Case.closed().with_({"gear.idler.slack": 0.01}).assembled
+    taut = start_of(Case.closed().with_(TAUT))
+    slack = start_of(Case.closed().with_({"gear.idler.slack": 0.01}))
     assert taut.sag == 0.0
     assert taut.take_up - slack.take_up == pytest.approx(0.01, abs=1e-12)
     assert slack.sag > 0.05
@@ -121,9 +126,9 @@ def test_tension_at_rest_is_a_sag_or_a_pretension_or_a_place_of_the_idler():
     """Estimates of where it stands: twice the sag takes four times the slack, and pulls half as hard."""
 
     def stands_back(**idler):
-        taut = Case.closed().with_(TAUT).assembled.take_up
+        taut = start_of(Case.closed().with_(TAUT)).take_up
         changes = {f"gear.idler.{name}": value for name, value in idler.items()}
-        return taut - Case.closed().with_(changes).assembled.take_up
+        return taut - start_of(Case.closed().with_(changes)).take_up
 
     assert stands_back(sag=0.06) == pytest.approx(4.0 * stands_back(sag=0.03), rel=1e-9)
     # makers' sag of the span between idler and carrier, 1.8 m
@@ -216,13 +221,13 @@ def test_travel_of_the_chain_is_that_of_its_pitches():
 def test_machine_has_two_closed_loops_side_by_side_and_its_parts_weigh_what_it_weighs():
     case = Case.shovel()
     assert openings(case).max() < 1e-12
-    right, left = case.shoe_reference.reshape(2, 38, 6)
+    right, left = case.gear.shoe_reference(case).reshape(2, 38, 6)
     apart = [0.0, case.gear.car_body.track_distance, 0.0, 0.0, 0.0, 0.0]
     assert left - right == pytest.approx(np.tile(apart, (38, 1)))
-    assert case.frame_start[1] == pytest.approx(0.5 * (right + left)[0, 1])
-    assert case.links[[37, 75]].tolist() == [[38, 1], [76, 39]]
+    assert case.gear.frame_start(case)[1] == pytest.approx(0.5 * (right + left)[0, 1])
+    assert case.gear.links(case.track)[[37, 75]].tolist() == [[38, 1], [76, 39]]
     assert case.gear.wheel_names[0] == "right roller 1"
-    mass = sum(part.mass for part in case.frame_parts)
+    mass = sum(part.mass for part in case.gear.frame_parts)
     assert mass + 76 * case.shoe.mass + 2 * case.gear.tumbler.mass == pytest.approx(MACHINE_MASS)
 
 
@@ -260,7 +265,7 @@ def test_chain_is_assembled_once_for_all_times_of_a_drive(monkeypatch):
 @pytest.mark.parametrize("case", [CLOSED, SHOVEL, Case.rolled(), Case.turning(), Case.stress()])
 def test_outlines_of_many_times_are_those_of_each(case):
     times = np.array([0.0, 0.3, 7.0, 22.0])
-    assert (case.outlines(times) == [case.outline(time) for time in times]).all()
+    assert (outline.outlines(case, times) == [case.outline(time) for time in times]).all()
 
 
 def test_slewing_upper_structure_moves_the_weight_of_the_machine():
@@ -305,21 +310,21 @@ def with_take_up(case, take_up):
 @pytest.mark.parametrize("further", [0.01, 0.03])
 def test_frame_on_arms_sinks_for_a_chain_that_is_too_short(m113, further):
     """Its shoes lie as flat as before; wheels turn up about their pivots by what the frame sinks."""
-    assert m113.assembled.sunk == 0.0
+    assert start_of(m113).sunk == 0.0
     assert not m113.gear.arm_reference(m113.shoe, m113.track)[:, 3:].any()
-    tight = with_take_up(m113, m113.assembled.take_up + further)
-    sunk = tight.assembled.sunk
+    tight = with_take_up(m113, start_of(m113).take_up + further)
+    sunk = start_of(tight).sunk
     assert further < sunk < 0.2
     assert openings(tight).max() < 1e-12
-    assert m113.frame_start[2] - tight.frame_start[2] == pytest.approx(sunk, abs=1e-12)
-    lowest = [case.shoe_reference[:, 2].min() for case in (m113, tight)]
+    assert m113.gear.frame_start(m113)[2] - tight.gear.frame_start(tight)[2] == pytest.approx(sunk, abs=1e-12)
+    lowest = [case.gear.shoe_reference(case)[:, 2].min() for case in (m113, tight)]
     assert lowest[1] == pytest.approx(lowest[0], abs=1e-12)
     reference = tight.gear.arm_reference(tight.shoe, tight.track)
     turns = rotation_matrices(reference[:, 3:])
     for start, turn, arm in zip(reference, turns, tight.gear.arms, strict=True):
         (x, z), roller = arm.pivot, tight.gear.rollers[arm.roller - 1]
         wheel = start[:3] + turn @ [roller - x, 0.0, -z]
-        assert wheel[2] == pytest.approx(tight.frame_start[2] + sunk, abs=1e-12)
+        assert wheel[2] == pytest.approx(tight.gear.frame_start(tight)[2] + sunk, abs=1e-12)
 
 
 def test_chain_that_no_arm_gives_way_enough_for_is_refused(m113):

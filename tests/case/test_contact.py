@@ -5,7 +5,7 @@ import math
 import pytest
 
 from exudyn_crawler import Case, FlexibleShoes, LoadCycle, PairContact, SphereContact
-from exudyn_crawler.case import Phase
+from exudyn_crawler.case import Phase, statics
 from exudyn_crawler.errors import ParameterError
 
 SPHERES = SphereContact.oil_sand()
@@ -14,14 +14,16 @@ CASE = Case.translation().with_(contact=SPHERES)
 
 def test_spheres_carry_the_mean_load_at_the_pair_laws_depth():
     depth = math.sqrt(432.3e3 / 1e8)  # papers: 6.57 cm
-    assert CASE.settled_penetration == pytest.approx(depth, rel=1e-3)
-    carried = SPHERES.spheres_x * SPHERES.spheres_y * CASE.sphere_stiffness * CASE.settled_penetration
-    assert carried == pytest.approx(CASE.mean_load, rel=1e-12)
+    settled = statics.settled_penetration(CASE)
+    assert settled == pytest.approx(depth, rel=1e-3)
+    each = statics.sphere_stiffness(CASE, SPHERES)
+    carried = SPHERES.spheres_x * SPHERES.spheres_y * each * settled
+    assert carried == pytest.approx(statics.mean_load(CASE), rel=1e-12)
     # which is the reference law's
-    assert CASE.settled_penetration == Case.translation().settled_penetration
+    assert settled == statics.settled_penetration(Case.translation())
     stiff = CASE.with_(contact=SPHERES.with_(reference_stiffness=4.0 * SPHERES.reference_stiffness))
-    assert stiff.settled_penetration == pytest.approx(0.5 * CASE.settled_penetration, rel=1e-12)
-    assert stiff.sphere_stiffness == pytest.approx(2.0 * CASE.sphere_stiffness, rel=1e-12)
+    assert statics.settled_penetration(stiff) == pytest.approx(0.5 * settled, rel=1e-12)
+    assert statics.sphere_stiffness(stiff, stiff.contact) == pytest.approx(2.0 * each, rel=1e-12)
 
 
 def test_each_model_is_had_where_it_is_the_case_s():

@@ -63,7 +63,7 @@ def test_machines_of_the_library_have_their_weight_pressure_and_length(name):
     if sheet.crawler_length is not None:
         assert over_shoes == pytest.approx(sheet.crawler_length, rel=0.05)
     if sheet.shoes is not None:
-        assert case.loop.shoe_count == sheet.shoes
+        assert case.gear.loop(case.track).shoe_count == sheet.shoes
 
 
 def test_pitch_of_a_komatsu_pc300lc_follows_and_is_that_of_its_chain():
@@ -235,7 +235,7 @@ def test_wheels_of_a_derived_machine_carry_the_chain_evenly():
     assert gaps == pytest.approx(gaps[0])
     assert gaps[0] > 2.0 * gear.roller_radius
     # the chain closes where the datasheet has its idler: within what its slack takes
-    assert abs(case.assembled.take_up) < 0.1 * case.track.pitch
+    assert abs(case.gear.assembled(case).take_up) < 0.1 * case.track.pitch
 
 
 def test_bogies_carry_two_rollers_each_from_the_front_and_are_part_of_the_weight():
@@ -349,7 +349,7 @@ def test_pitch_of_a_number_of_shoes_follows_from_any_length(lengths):
     """Of a Komatsu PC300LC-8, within what 10.5 gaps and typical shoes leave open."""
     values = {name: value for name, value in PC300.items() if "length" not in name} | lengths
     case = derived(Datasheet(**values)).case
-    assert case.loop.shoe_count == 48
+    assert case.gear.loop(case.track).shoe_count == 48
     assert case.track.pitch == pytest.approx(0.2159, rel=0.02)
 
 
@@ -457,13 +457,13 @@ def test_running_gear_of_a_vehicle_follows_where_its_datasheet_leaves_it_out(lef
         values["ground_pressure"] = 11400.0 * 9.81 / (2.0 * 0.38 * 2.667)
     case = derived(Datasheet(**values)).case
     gear = case.gear
-    assert case.loop.shoe_count == pytest.approx(63, abs=3)
+    assert case.gear.loop(case.track).shoe_count == pytest.approx(63, abs=3)
     assert case.track.pitch == pytest.approx(0.154, rel=0.1)
     assert len(gear.rollers) == 5
     assert gear.rollers[-1] - gear.rollers[0] == pytest.approx(2.667, rel=0.1)
     assert gear.idler.place[0] - gear.tumbler.place[0] == pytest.approx(3.83 + 0.13, rel=0.1)
     # what is left for the idler's take-up is the sag
-    assert abs(case.assembled.take_up) < 0.02
+    assert abs(case.gear.assembled(case).take_up) < 0.02
 
 
 def test_a_vehicles_chain_that_closes_nowhere_is_refused_with_shoes_that_do():

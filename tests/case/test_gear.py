@@ -104,8 +104,8 @@ def test_a_machine_is_two_of_its_tracks():
     assert Machine.of(tracks[0].gear, CarBody.ph4100c()) == case.gear
     assert case.gear.bodies == ("side frame", "right tumbler", "left tumbler")
     assert len(case.gear.wheel_names) == 2 * len(tracks[0].gear.wheel_names)
-    beside = np.concatenate([one.shoe_reference for one in tracks])
-    np.testing.assert_allclose(case.shoe_reference, beside, rtol=0.0, atol=1e-12)
+    beside = np.concatenate([one.gear.shoe_reference(one) for one in tracks])
+    np.testing.assert_allclose(case.gear.shoe_reference(case), beside, rtol=0.0, atol=1e-12)
 
 
 BOGIE = """

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from exudyn_crawler import Case, Drive, LoadCycle, Phase, StepProfile
+from exudyn_crawler.case import outline
 from exudyn_crawler.errors import CaseFileError
 
 EARLY = np.linspace(0.0, 5.0, 21)
@@ -64,7 +65,9 @@ def test_the_track_travels_only_while_driven():
     case = Case.translation().with_(drive=Drive(speed=speed, on=((0.0, 0.05),)))
     assert case.outline(0.2)[0, 0] - case.outline(0.0)[0, 0] == pytest.approx(0.05 * 0.01 / 2)
     free = case.with_(drive=Drive(speed=speed, on=()))
-    np.testing.assert_array_equal(free.outlines(EARLY), np.tile(free.outline(0.0), (len(EARLY), 1, 1)))
+    np.testing.assert_array_equal(
+        outline.outlines(free, EARLY), np.tile(free.outline(0.0), (len(EARLY), 1, 1))
+    )
 
 
 def test_the_shovel_cycle_keeps_every_sum_and_the_printed_loads():

@@ -49,7 +49,7 @@ def check(seeds):
         if sheet.crawler_length is not None:
             assert over_shoes == pytest.approx(sheet.crawler_length, rel=0.05), seed
         if sheet.shoes is not None:
-            assert case.loop.shoe_count == sheet.shoes, seed
+            assert case.gear.loop(case.track).shoe_count == sheet.shoes, seed
     return refused
 
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from exudyn_crawler import Case, PairContact, Shoe, SphereContact, Terrain
-from exudyn_crawler.case import Heights
+from exudyn_crawler.case import Heights, statics
 from exudyn_crawler.ground.contact import PairGroundContact, ground_contact, pair_law
 from exudyn_crawler.ground.laws import impact_force
 from exudyn_crawler.ground.overlap import overlap_workspace
@@ -103,9 +103,9 @@ def test_the_terrain_sinks_evenly(contact):
 def test_shoes_at_the_settled_depth_carry_their_loads(contact, request):
     loads = np.full(SHOES, 4.3e5)
     case = CASES[request.node.callspec.params["contact"]]
-    depths, q = case.settled_depths(loads), np.zeros(contact.size)
+    depths, q = statics.settled_depths(case, loads), np.zeros(contact.size)
     q[2:SIX:6] = -depths
-    assert case.settled_depths(-loads) == pytest.approx(np.zeros(SHOES))
+    assert statics.settled_depths(case, -loads) == pytest.approx(np.zeros(SHOES))
     if isinstance(contact, PairGroundContact):
         # shoe 10 stands on one unit of 7 m; by area every shoe has one whole law
         assert contact.forces(q, np.zeros_like(q))[2:SIX:6][9] == pytest.approx(4.3e5, rel=1e-9)
@@ -249,11 +249,11 @@ def lift_over_seam(case, beside):
 
     The front ones stand on one face both times.
     """
-    rear = sphere_centers(case)[0, 0] + case.shoe_reference[0, 0]
+    rear = sphere_centers(case)[0, 0] + case.gear.shoe_reference(case)[0, 0]
 
     def lift(x):
         q = np.zeros(SIX + 6 * case.terrain.unit_count)
-        q[0], q[2] = x - rear, -case.settled_penetration
+        q[0], q[2] = x - rear, -statics.settled_penetration(case)
         return float(sphere_wrenches(case, q)[0, 2])
 
     return lift(7.0 + beside) / (0.5 * lift(3.5)) - 1.0

@@ -90,7 +90,7 @@ def test_bogies_of_two_tracks_are_bodies_in_the_order_of_their_names():
     layout = compiled_system(case).layout
     assert layout.bodies == case.gear.bodies
     assert layout.bodies[-2:] == ("right bogie 1", "left bogie 1")
-    places = case.gear.bogie_reference(case.shoe, case.track)[:, 1] - case.frame_start[1]
+    places = case.gear.bogie_reference(case)[:, 1] - case.gear.frame_start(case)[1]
     np.testing.assert_allclose(places, case.gear.middles)
     wheels = compiled_system(case).tables.forces.wheels
     last = len(layout.bodies) + layout.shoes

@@ -105,7 +105,7 @@ def stress_by_region(case):
 def test_a_stone_under_a_corner_tilts_a_dragged_shoe_and_bends_it():
     base = Case.stress("coarse")
     case = three_shoes(ROCK, base=base)
-    x, y = case.shoe_reference[1, :2] + (0.0, 0.5 * case.shoe.width - 0.3)
+    x, y = case.gear.shoe_reference(case)[1, :2] + (0.0, 0.5 * case.shoe.width - 0.3)
     stone = Heights(parts=(Stone(x=x, y=y, height=0.08, width=0.2, flank=0.2),))
     level, _ = stress_by_region(case)
     lifted, run = stress_by_region(three_shoes(ROCK, stone, base))

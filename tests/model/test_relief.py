@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from exudyn_crawler import Case, LoadCycle, Terrain, simulate
-from exudyn_crawler.case import Heights
+from exudyn_crawler.case import Heights, statics
 from exudyn_crawler.case.parameters.heights import MeasuredGrid, Ramp, Roughness, Stone, Waves
 from exudyn_crawler.errors import ParameterError
 from exudyn_crawler.machines.case_files import read_case
@@ -80,7 +80,7 @@ def test_both_formulations_rest_alike_on_a_hill():
 def test_a_relief_that_is_too_much_at_once_rises_in_portions():
     hills = Heights(parts=(Waves(height=1.0, length=20.0),))
     case = Case.translation().with_({"terrain.relief": hills, "terrain.tilt": "pitch"})
-    shoes = case.shoe_reference + static_equilibrium(case)[: 6 * 13].reshape(-1, 6)
+    shoes = case.gear.shoe_reference(case) + static_equilibrium(case)[: 6 * 13].reshape(-1, 6)
     above = shoes[:, 2] - case.terrain.surface(shoes[:, 0])
     assert np.all((above > 0.0) & (above < 2.0 * case.shoe.com_height))
 
@@ -92,7 +92,7 @@ def test_flexible_and_rigid_shoes_go_over_a_hill_in_balance():
     flexible = Case.stress("coarse").flexible.with_(shoes=(2,))
     history = simulate(case.with_(flexible=flexible), 0.05)
     assert np.abs(history.angles.sel(axis="y")).max() > 0.02
-    weight = float(case.pressed(case.loads.loads(0.0)[0]).sum())
+    weight = float(statics.pressed(case, case.loads.loads(0.0)[0]).sum())
     assert np.abs(shoe_imbalance(history).force.values).max() < 1e-6 * weight
     units = side_scene(instants(history, [history.duration])).solids[0]
     # corner 3 is the rear edge of a face and 2 the front one

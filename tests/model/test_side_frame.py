@@ -34,7 +34,7 @@ def test_pull_acts_on_frame_and_chain_alike():
     assert shoes[:, 0].sum() == pytest.approx(-1.0)
     assert np.count_nonzero(np.abs(shoes[:, 0]) > 1e-9) <= 2
     assert forces[-6] == pytest.approx(1.0)
-    lever = case.frame_start[2] + q[-4] - (case.shoe.com_height + case.track.pin_height)
+    lever = case.gear.frame_start(case)[2] + q[-4] - (case.shoe.com_height + case.track.pin_height)
     assert -forces[-2] == pytest.approx(lever, abs=0.2)
 
 

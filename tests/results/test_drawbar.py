@@ -186,7 +186,7 @@ class Ridden:
         place = np.concatenate(([0.0], np.cumsum(steps)))
         nod = 0.01 * np.sin(0.3 * time)
         axes = Rotation.from_rotvec(np.outer(nod, [0.0, 1.0, 0.0])).as_matrix()
-        up = case.frame_start[2] - case.drive.drawbar_height
+        up = case.gear.frame_start(case)[2] - case.drive.drawbar_height
         position = np.column_stack((place + axes[:, 0, 2] * up, 0.0 * time, 0.0 * time))
         self.side_frame_position = xr.DataArray(position, dims=("time", "axis"), coords={"axis": [*"xyz"]})
         angles = np.column_stack((0.0 * nod, nod, 0.0 * nod))
@@ -283,7 +283,7 @@ def test_a_drawbar_holds_the_slip_and_the_drive_its_speed_beyond_its_torque(sens
         speed=StepProfile(times=(0.0, 0.1), values=(0.0, 0.1 * sense)),
         slip=StepProfile(times=(0.1, 0.15), values=(0.0, 0.4)),
         # at the frame's origin, whose speed a history has, but for the centimetres that it sinks at rest
-        drawbar_height=float(case.frame_start[2]),
+        drawbar_height=float(case.gear.frame_start(case)[2]),
     )
     case = case.with_({"gear.torque_limit": 1e3})
     held = case.with_(drive=drive, solver=case.solver.with_(step=5e-3, output_interval=0.02))

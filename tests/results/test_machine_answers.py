@@ -40,7 +40,7 @@ def test_answers_are_those_of_the_history_and_of_statics(history):
     assert values["load of a lower roller, mean"] == pytest.approx(force.mean() / 1e3)
     # rollers carry all but the shoes below them: parts, sprockets and the upper run
     carried = values["load of a lower roller, mean"] * len(rollers)
-    weight = 9.81e-3 * sum(part.mass for part in history.case.frame_parts)
+    weight = 9.81e-3 * sum(part.mass for part in history.case.gear.frame_parts)
     assert weight < carried < 9.81e-3 * SHEET.operating_weight
     torque, power = values["torque of the drive, mean"], values["power of the drive, mean"]
     right = late.tumbler_speed.transpose("time", ...).values[:, 0]

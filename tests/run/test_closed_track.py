@@ -103,7 +103,7 @@ def test_chain_stays_closed(rig):
 
 def test_a_spring_holds_the_idler_as_shims_at_its_place_do():
     taut = Case.closed().with_(ON_POSTS)
-    place = taut.assembled.take_up - 2e-3
+    place = taut.gear.assembled(taut).take_up - 2e-3
     shims = rest_of(taut.with_({"gear.idler.take_up": place}))
     push, stiffness = -shims.wheel_force.sel(wheel="idler", axis="x").item(), 2e8
     spring = Tensioner(mass=8e3, stiffness=stiffness, preload=push + stiffness * place)
@@ -317,7 +317,7 @@ def test_all_that_acts_on_frame_and_tumbler_is_the_rate_of_their_momentum(tensio
     """And the work of the torque, where a spring and a damper push the idler."""
     case, history = Case.closed(), on_ground
     if tensioner:
-        push = 1.3e6 + 1e8 * case.assembled.take_up
+        push = 1.3e6 + 1e8 * case.gear.assembled(case).take_up
         spring = Tensioner(mass=8e3, stiffness=1e8, preload=push, damping=1e6)
         history = driven(case.with_({"gear.idler.tensioner": spring}), 0.3, 0.3, 0.6)
     late = history.time.values > 0.01

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from exudyn_crawler import Case, Drive, FlexibleShoes, LoadCycle, Terrain, simulate
+from exudyn_crawler.case import statics
 from exudyn_crawler.case.parameters import checks
 from exudyn_crawler.errors import EquilibriumError
 from exudyn_crawler.ground.cells.laws.bekker import BekkerSoil
@@ -72,7 +73,7 @@ def test_a_long_track_rests_on_normals_that_lean():
 def test_units_that_roll_push_a_track_aside_until_friction_takes_hold(translation):
     """Their normals lean; friction, which needs slip, has none at rest."""
     history = translation.dataset.sel(time=slice(0.0, 0.0201))
-    weight, mass = 13 * translation.case.mean_load, 13 * translation.case.shoe.mass
+    weight, mass = 13 * statics.mean_load(translation.case), 13 * translation.case.shoe.mass
     aside = (history.normal_force + history.friction_force).sel(axis="y").sum("contact").values
     start, end = history.isel(time=0), history.isel(time=-1)
     assert 0.0 < -aside[0] < float(np.abs(start.unit_tilt).max()) * weight

@@ -131,8 +131,8 @@ def test_all_forces_on_the_machine_are_the_rate_of_its_momentum(spot):
     outside = (data.normal_force + data.friction_force).sum("contact").values
     turn = rotation_matrices(data.side_frame_angles.values)
     spin, change = data.side_frame_angular_velocity.values, data.side_frame_angular_acceleration.values
-    parts = [(part.mass, part.com) for part in case.frame_parts]
-    tumblers = case.tumbler_reference[:, :3] - case.frame_start
+    parts = [(part.mass, part.com) for part in case.gear.frame_parts]
+    tumblers = case.gear.tumbler_reference(case)[:, :3] - case.gear.frame_start(case)
     parts += [(case.gear.tumbler.mass, place) for place in tumblers]
     rate = case.shoe.mass * data.acceleration.sum("shoe").values
     mass = case.shoe.mass * case.track.shoe_count
@@ -167,7 +167,7 @@ def test_one_track_of_a_machine_is_a_history_of_its_own(spot):
     apart = left.side_frame_position.values - spot.side_frame_position.values
     assert np.linalg.norm(apart, axis=-1) == pytest.approx(0.5 * spot.case.gear.car_body.track_distance)
     place = (left.tumbler_position - left.side_frame_position).values
-    start = left.case.tumbler_reference[0, :3] - left.case.frame_start
+    start = left.case.gear.tumbler_reference(left.case)[0, :3] - left.case.gear.frame_start(left.case)
     assert np.linalg.norm(place, axis=1) == pytest.approx(np.linalg.norm(start), rel=1e-3)
     torque = history_series(spot)["torque of the drive"].values
     assert torque["item"].values.tolist() == ["right tumbler", "left tumbler"]
@@ -181,8 +181,8 @@ def test_weight_beside_the_middle_is_shared_by_the_tracks(changes):
     """As on two supports; shoes that lean carry a little beside their middles."""
     case = Case.shovel().with_(changes, drive=STILL)
     history = simulate(case, 0.02, progress=False)
-    parts = [*case.frame_parts, Part(76 * case.shoe.mass, np.array([0.0, 0.0, 0.4]), np.eye(3))]
-    down, ground = case.terrain.down, case.frame_start[2]
+    parts = [*case.gear.frame_parts, Part(76 * case.shoe.mass, np.array([0.0, 0.0, 0.4]), np.eye(3))]
+    down, ground = case.terrain.down, case.gear.frame_start(case)[2]
     aside = sum(part.mass * (part.com[1] - (part.com[2] + ground) * down[1] / down[2]) for part in parts)
     expected = 0.5 + aside / sum(part.mass for part in parts) / case.gear.car_body.track_distance
     pressed = [history.of_track(side).normal_force.isel(time=-1).sum() for side in ("right", "left")]
@@ -230,7 +230,7 @@ def test_a_machine_stands_on_a_grade_by_friction_and_leans_to_its_rear():
     case = Case.shovel().with_({"terrain.grade": 0.1}, drive=STILL)
     data = simulate(case, 0.02, progress=False).dataset.isel(time=-1)
     place, turn = data.side_frame_position.values, rotation_matrices(data.side_frame_angles.values)
-    parts = [(part.mass, place + turn @ part.com) for part in case.frame_parts]
+    parts = [(part.mass, place + turn @ part.com) for part in case.gear.frame_parts]
     tumblers = data.tumbler_position.transpose("track", "axis").values
     parts += [(case.gear.tumbler.mass, one) for one in tumblers]
     parts += [(case.shoe.mass, one) for one in data.position.values]

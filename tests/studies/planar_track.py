@@ -11,6 +11,7 @@ from functools import cached_property
 import numpy as np
 
 from exudyn_crawler import Case
+from exudyn_crawler.case import statics
 
 STEP = 1e-6
 
@@ -102,7 +103,7 @@ class PlanarTrack:
     def steady(self) -> np.ndarray:
         """Coordinates of steady sliding, by Newton's method as friction grows to its value."""
         y = np.zeros(1 + self.count)
-        y[0] = self.case.shoe.com_height - self.case.settled_penetration
+        y[0] = self.case.shoe.com_height - statics.settled_penetration(self.case)
         for portion in np.linspace(0.0, 1.0, 11):
             forces = PlanarTrack(self.case, portion).balance
             for _ in range(6):

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from exudyn_crawler import Case, History
+from exudyn_crawler.case import statics
 from exudyn_crawler.case.parameters.contact import SphereContact as Spheres
 from exudyn_crawler.errors import EquilibriumError
 from exudyn_crawler.run.solve.equilibrium import static_equilibrium
@@ -73,7 +74,7 @@ def test_shoes_follow_rough_ground(runs):
 @pytest.mark.parametrize("ground", ["step", "ramp", "rough"])
 def test_ground_carries_the_weight(ground, runs):
     history = runs[ground]
-    weight = GENERAL.track.shoe_count * GENERAL.mean_load
+    weight = GENERAL.track.shoe_count * statics.mean_load(GENERAL)
     carried = (history.normal_force + history.friction_force).sel(axis="z").sum("contact")
     start = history.dataset.isel(time=0)
     assert float(carried[0]) == pytest.approx(weight, rel=1e-5)

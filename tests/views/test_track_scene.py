@@ -5,6 +5,7 @@ import pytest
 import xarray as xr
 
 from exudyn_crawler import Case, History, simulate
+from exudyn_crawler.case import statics
 from exudyn_crawler.case.gear.arms import Arm
 from exudyn_crawler.case.gear.running_gear import Bogie
 from exudyn_crawler.case.parameters.heights import Heights, Ridge
@@ -167,7 +168,7 @@ def test_a_ground_figure_shows_what_every_shoe_carries(step):
     heights = [bar.get_height() for bar in carried.patches]
     _, forces = shoe_forces(last(step).dataset)
     assert heights == pytest.approx(1e-3 * forces[0, :, 2])
-    assert np.mean(heights) == pytest.approx(1e-3 * step.case.mean_load, rel=0.1)
+    assert np.mean(heights) == pytest.approx(1e-3 * statics.mean_load(step.case), rel=0.1)
     figure.draw_without_rendering()
     left, right = (ax.get_window_extent() for ax in (view, carried))
     assert left.width == pytest.approx(right.width, rel=0.02)
@@ -243,7 +244,7 @@ def test_what_acts_on_a_shoe_is_ground_and_rollers(rolled):
 def closed():
     """Two instants of a taut closed track: as assembled, and with another angle of its tumbler."""
     case = Case.closed().with_({"gear.idler.slack": 0.0})
-    start, shoes = case.assembled, case.track.shoe_count
+    start, shoes = case.gear.assembled(case), case.track.shoe_count
     forces, moments, links, nothing = np.zeros((4, 2, shoes, 3))
     forces[:, 5] = 0.0, 0.0, -2e5
     moments[:, 5] = 0.0, 4e4, 0.0  # of the force 0.2 m ahead of the COM
@@ -269,7 +270,7 @@ def closed():
         {
             "time": [0.0, 1.0],
             "shoe": case.track.shoes,
-            "joint": case.joints,
+            "joint": case.gear.joints(case.track),
             "axis": ["x", "y", "z"],
             "wheel": case.gear.wheel_names,
         },
@@ -306,9 +307,9 @@ def test_lugs_sit_in_the_gaps_of_the_tumbler_and_turn_with_it(closed):
 
 def test_wheels_stand_below_the_rails_and_roll_with_the_chain(closed):
     found, case = gear_of(closed), closed.case
-    table = case.gear.wheels(case.assembled.take_up)
+    table = case.gear.wheels(case.gear.assembled(case).take_up)
     kinds = ("rollers", "idler", "carriers")
-    axes = np.concatenate([found[name].origin[0, ::2] for name in kinds]) - case.assembled.frame
+    axes = np.concatenate([found[name].origin[0, ::2] for name in kinds]) - case.gear.assembled(case).frame
     assert axes[:, [0, 2]] == pytest.approx(table[:, :2])
     slid = {name: found[name].origin[1] - found[name].origin[0] for name in kinds}
     assert slid["idler"] == pytest.approx(np.tile([MOVED, 0.0, 0.0], (2, 1)))
@@ -324,7 +325,7 @@ def test_wheels_stand_below_the_rails_and_roll_with_the_chain(closed):
 def test_slides_are_bars_below_the_upper_run(closed):
     case = closed.case.with_({"gear.carriers": (), "gear.slides": ((-2.0, 1.0, 1.9),)})
     found = gear_of(History(case, closed.dataset))
-    bar, (x, z) = found["slide 1"], closed.case.assembled.frame[[0, 2]]
+    bar, (x, z) = found["slide 1"], closed.case.gear.assembled(closed.case).frame[[0, 2]]
     points = bar.points + bar.origin[0, 0]
     assert bar.origin.shape == (2, 2, 3)
     assert [points[:, 0].min() - x, points[:, 0].max() - x] == pytest.approx([-2.0, 1.0])

@@ -41,8 +41,6 @@ def assembled(closed: ClosedFrame, shoe: Shoe, chain: Track) -> Assembled:
 
     Raises `assembly.MisfitError` if the chain does not close.
     """
-    rails = shoe.rails
-    assert rails is not None
     pitch = closed.chain_pitch(chain)
     take_up, sag, sunk, pieces = _closed(closed, shoe, chain)
     places = assembly.pins_along(pieces, pitch, chain.shoe_count)
@@ -61,7 +59,7 @@ def assembled(closed: ClosedFrame, shoe: Shoe, chain: Track) -> Assembled:
     angles = np.roll(angles, -first)
     if first:
         angles[-first:] -= 2.0 * math.pi
-    height = closed.roller_radius + rails.height + shoe.com_height - sunk
+    height = closed.roller_radius + shoe.roller_path.height + shoe.com_height - sunk
     height += CLEARANCE if closed.support == "posts" else 0.0
     frame = np.array([chain.first_com[0] - coms[0, 0], chain.first_com[1], height])
     shoes = np.zeros((chain.shoe_count, 6))
@@ -172,10 +170,9 @@ def _closed(
 
     Raises `assembly.MisfitError` if it does not close.
     """
-    assert shoe.rails is not None
     pitch = closed.chain_pitch(chain)
     count = chain.shoe_count
-    loop = _Loop(closed, shoe.rails.height - chain.pin_height, pitch, chain.pitch)
+    loop = _Loop(closed, shoe.roller_path.height - chain.pin_height, pitch, chain.pitch)
     take_up = closed.idler.take_up
     if take_up is None:
         taut = assembly.closed_chain(loop.belt, pitch, count, loop.take_ups(), "an idler's take-up of")

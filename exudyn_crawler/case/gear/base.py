@@ -1,7 +1,7 @@
 """Interface of gears: the members that every kind gives a case.
 
 Callers ask a gear for the result itself (wheels, names of bodies, start positions of shoes, errors), never
-for its kind. A gear takes the rest of a case as arguments: shoe and chain, or the case as a `Whole`.
+for its kind. A gear takes the rest of a case as arguments: the case as a `Whole`, or shoe and chain.
 """
 
 from collections.abc import Iterator
@@ -10,9 +10,11 @@ from typing import ClassVar, Literal, NamedTuple, Protocol
 import numpy as np
 
 from exudyn_crawler.case.parameters.car_body import Part
+from exudyn_crawler.case.parameters.contact import PairContact, SphereContact
 from exudyn_crawler.case.parameters.drive import Drive
 from exudyn_crawler.case.parameters.loads import LoadCycle
 from exudyn_crawler.case.parameters.machine_cycle import MachineCycle
+from exudyn_crawler.case.parameters.terrain import CellContact, CellTerrain, Terrain
 from exudyn_crawler.case.parameters.track import SIDES, Shoe, Track
 from exudyn_crawler.settings.parameters import Errors, Parameters
 
@@ -52,6 +54,18 @@ class Whole(Protocol):
     @property
     def track(self) -> Track:
         """Chain of all shoes."""
+
+    @property
+    def gear(self) -> "Gear":
+        """Gear itself."""
+
+    @property
+    def terrain(self) -> Terrain | CellTerrain:
+        """Ground."""
+
+    @property
+    def contact(self) -> PairContact | SphereContact | CellContact:
+        """Contact of shoes and terrain."""
 
     @property
     def drive(self) -> Drive:
@@ -172,9 +186,19 @@ class Gear(Parameters):
         """Return the numbers of the links; link i connects shoe i and the next one of its track."""
         return chain.shoes if self.loops else chain.joints
 
-    def shoe_reference(self, shoe: Shoe, chain: Track) -> np.ndarray:
+    def links(self, chain: Track) -> np.ndarray:
+        """Return the shoes behind and ahead of every link: array (links, 2); for the numbers see `joints`.
+
+        A closed track's last link connects its last shoe and its first.
+        """
+        # an open track has no link ahead of its last shoe, so no link leads back to its first shoe
+        rear = self.joints(chain)
+        count = chain.shoe_count // self.tracks
+        return np.column_stack((rear, np.where(rear % count, rear + 1, rear + 1 - count)))
+
+    def shoe_reference(self, case: Whole) -> np.ndarray:
         """Return the COMs (m, global) and angles (rad) of the shoes at t = 0: array (shoes, 6)."""
-        coms = chain.com_positions(shoe.com_height)
+        coms = case.track.com_positions(case.shoe.com_height)
         return np.hstack((coms, np.zeros_like(coms)))
 
     def standing(self, case: Whole) -> np.ndarray:

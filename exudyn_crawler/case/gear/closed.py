@@ -9,7 +9,7 @@ import numpy as np
 
 from exudyn_crawler.case import ph4100c
 from exudyn_crawler.case.gear.assembled import Assembled, assembled
-from exudyn_crawler.case.gear.base import POSTS
+from exudyn_crawler.case.gear.base import POSTS, Whole
 from exudyn_crawler.case.gear.closed_frame import ClosedFrame
 from exudyn_crawler.case.gear.deflections import PULL, SIDEWAYS, TOOTH, LoadedContact, idler_spring
 from exudyn_crawler.case.gear.running_gear import implausible_rails
@@ -75,26 +75,26 @@ class Closed(ClosedFrame):
         """Slides: x of rear and front end, z of the top, m."""
         return self.slides
 
-    def assembled(self, shoe: Shoe, chain: Track) -> Assembled:
+    def assembled(self, case: Whole) -> Assembled:
         """Return the start of one track; raises `assembly.MisfitError` if its chain does not close."""
-        return assembled(self, shoe, self.loop(chain))
+        return assembled(self, case.shoe, self.loop(case.track))
 
-    def shoe_reference(self, shoe: Shoe, chain: Track) -> np.ndarray:
+    def shoe_reference(self, case: Whole) -> np.ndarray:
         """Return the COMs (m, global) and angles (rad) of the shoes at t = 0: array (shoes, 6)."""
-        return self.beside(self.assembled(shoe, chain).shoes)
+        return self.beside(self.assembled(case).shoes)
 
-    def frame_start(self, shoe: Shoe, chain: Track) -> np.ndarray:
+    def frame_start(self, case: Whole) -> np.ndarray:
         """Return the origin of side frame or machine at t = 0, on rails that have not settled: (3,), m."""
-        return self.assembled(shoe, chain).frame - np.array([0.0, self.middles[0], 0.0])
+        return self.assembled(case).frame - np.array([0.0, self.middles[0], 0.0])
 
-    def tumbler_reference(self, shoe: Shoe, chain: Track) -> np.ndarray:
+    def tumbler_reference(self, case: Whole) -> np.ndarray:
         """Return the tumblers' centres (m, global) and angles (rad) at t = 0: array (tracks, 6)."""
-        return self.beside(self.assembled(shoe, chain).tumbler[None])
+        return self.beside(self.assembled(case).tumbler[None])
 
-    def idler_reference(self, shoe: Shoe, chain: Track) -> np.ndarray:
+    def idler_reference(self, case: Whole) -> np.ndarray:
         """Return the idlers' centres (m, global) and angles (rad) at t = 0: array (tracks, 6)."""
         x, z = self.idler.place
-        start = self.assembled(shoe, chain)
+        start = self.assembled(case)
         center = start.frame + np.array([x + start.take_up, 0.0, z])
         return self.beside(np.array([[*center, 0.0, 0.0, 0.0]]))
 
@@ -105,21 +105,21 @@ class Closed(ClosedFrame):
         rows_of_all[:, 1] += np.repeat(middles - middles[0], len(rows))
         return rows_of_all
 
-    def first_wheels(self, shoe: Shoe, chain: Track) -> np.ndarray:
+    def first_wheels(self, case: Whole) -> np.ndarray:
         """Return the wheels of one track at the take-up of the assembled chain, see `wheels`."""
-        return self.wheels(self.assembled(shoe, chain).take_up)
+        return self.wheels(self.assembled(case).take_up)
 
-    def arm_reference(self, shoe: Shoe, chain: Track) -> np.ndarray:
+    def arm_reference(self, case: Whole) -> np.ndarray:
         """Return the arms' pivots (m, global) and angles (rad) at t = 0: array (tracks * arms, 6)."""
-        reference = super().arm_reference(shoe, chain)
-        angles = self.arms_lifted(self.assembled(shoe, chain).sunk)[:, 1]
+        reference = super().arm_reference(case)
+        angles = self.arms_lifted(self.assembled(case).sunk)[:, 1]
         reference[:, 4] = np.tile(angles, self.tracks)
         return reference
 
-    def extent(self, shoe: Shoe, chain: Track) -> tuple[float, float, float]:
+    def extent(self, case: Whole) -> tuple[float, float, float]:
         """Return x of tumbler and idler, and the least z among tumbler, carriers and slides, m."""
         rear, height = self.tumbler.place
-        front = self.idler.place[0] + self.assembled(shoe, chain).take_up
+        front = self.idler.place[0] + self.assembled(case).take_up
         return rear, front, min([height, *(z for _, z in self.upper.values())])
 
     def shoes_by_strips(self, bends: np.ndarray) -> np.ndarray:
@@ -137,8 +137,7 @@ class Closed(ClosedFrame):
 
     def track_errors(self, shoe: Shoe, chain: Track) -> Errors:
         """Yield an error for each property of rails and chain that does not fit the wheels."""
-        rails = shoe.rails
-        assert rails is not None
+        rails = shoe.roller_path
         if rails.height <= chain.pin_height:
             yield f"shoe.rails.height must be above the pins at {chain.pin_height} m, got {rails.height}"
         x = np.sort([x for x, _ in self.upper.values()])

@@ -7,7 +7,7 @@ from typing import Any, ClassVar, Literal, Self
 import numpy as np
 
 from exudyn_crawler.case import ph4100c
-from exudyn_crawler.case.gear.assembled import Assembled
+from exudyn_crawler.case.gear.assembled import Assembled, assembled
 from exudyn_crawler.case.gear.base import WheelLabel, Whole
 from exudyn_crawler.case.gear.closed import Closed
 from exudyn_crawler.case.parameters import sizes
@@ -89,9 +89,9 @@ class Machine(Closed):
         """Lateral distance from the middle at which a weight tips the machine, m."""
         return 0.5 * self.car_body.track_distance
 
-    def assembled(self, shoe: Shoe, chain: Track) -> Assembled:
+    def assembled(self, case: Whole) -> Assembled:
         """Return the start of the right track; raises `assembly.MisfitError` if its chain does not close."""
-        return self.single.assembled(shoe, self.loop(chain))
+        return assembled(self.single, case.shoe, self.loop(case.track))
 
     def way(self, drive: Drive, times: np.ndarray) -> np.ndarray:
         """Return the displacement of the machine's middle, which follows its heading: array (times, 2), m."""

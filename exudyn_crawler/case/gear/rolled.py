@@ -7,6 +7,7 @@ from typing import ClassVar, Literal
 import numpy as np
 
 from exudyn_crawler.case import ph4100c
+from exudyn_crawler.case.gear.base import Whole
 from exudyn_crawler.case.gear.running_gear import RunningGear, implausible_rails, overlap_errors
 from exudyn_crawler.case.parameters import base
 from exudyn_crawler.case.parameters.base import Place
@@ -53,20 +54,18 @@ class Rolled(base.PH4100C, RunningGear, values=ph4100c.UNDERCARRIAGE):
         if not rear <= self.tumbler <= front:
             yield f"tumbler must be within the frame's ends {self.ends}, got {self.tumbler}"
 
-    def first_wheels(self, shoe: Shoe, chain: Track) -> np.ndarray:
+    def first_wheels(self, case: Whole) -> np.ndarray:
         """Return x and z in the frame, and the radius, of the wheels at t = 0: array (wheels, 3), m."""
         return np.array([(x, 0.0, self.radius) for x in self.rollers])
 
-    def extent(self, shoe: Shoe, chain: Track) -> tuple[float, float, float]:
+    def extent(self, case: Whole) -> tuple[float, float, float]:
         """Return x of the frame's rear and front end, m, and infinity: no wheel is above the rollers."""
         return (*self.ends, math.inf)
 
-    def frame_start(self, shoe: Shoe, chain: Track) -> np.ndarray:
+    def frame_start(self, case: Whole) -> np.ndarray:
         """Return the origin of the side frame at t = 0, on rails that have not settled: array (3,), m."""
-        rails = shoe.rails
-        assert rails is not None
-        height = shoe.com_height + rails.height + self.radius
-        return np.array([self.start, chain.first_com[1], height])
+        height = case.shoe.com_height + case.shoe.roller_path.height + self.radius
+        return np.array([self.start, case.track.first_com[1], height])
 
     def way(self, drive: Drive, times: np.ndarray) -> np.ndarray:
         """Return the displacement of the track's middle (times, 2), m: zero, since the shoes stand still."""
@@ -86,8 +85,7 @@ class Rolled(base.PH4100C, RunningGear, values=ph4100c.UNDERCARRIAGE):
 
     def track_errors(self, shoe: Shoe, chain: Track) -> Errors:
         """Yield an error for each property of rails and track that a side frame cannot roll over."""
-        rails = shoe.rails
-        assert rails is not None
+        rails = shoe.roller_path
         gap = chain.pitch - (rails.front - rails.rear)
         if not 0.0 <= gap < 2.0 * self.radius:
             crossed = f"from 0 to their diameter {2.0 * self.radius:.4g} m, got {gap:.4g} m"

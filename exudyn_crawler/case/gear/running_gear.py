@@ -169,30 +169,30 @@ class RunningGear(Gear):
         """Slides: x of rear and front end, z of the top, m."""
         return ()
 
-    def frame_start(self, shoe: Shoe, chain: Track) -> np.ndarray:
+    def frame_start(self, case: Whole) -> np.ndarray:
         """Return the origin of side frame or machine at t = 0, on rails that have not settled: (3,), m."""
         raise NotImplementedError
 
-    def bogie_reference(self, shoe: Shoe, chain: Track) -> np.ndarray:
+    def bogie_reference(self, case: Whole) -> np.ndarray:
         """Return the bogies' pivots (m, global) and angles (rad) at t = 0: array (tracks * bogies, 6)."""
-        return self._pivots([bogie.pivot for bogie in self.bogies], shoe, chain)
+        return self._pivots([bogie.pivot for bogie in self.bogies], case)
 
-    def arm_reference(self, shoe: Shoe, chain: Track) -> np.ndarray:
+    def arm_reference(self, case: Whole) -> np.ndarray:
         """Return the arms' pivots (m, global) and angles (rad) at t = 0: array (tracks * arms, 6)."""
-        return self._pivots([arm.pivot for arm in self.arms], shoe, chain)
+        return self._pivots([arm.pivot for arm in self.arms], case)
 
-    def _pivots(self, places: Sequence[base.Two], shoe: Shoe, chain: Track) -> np.ndarray:
-        start = self.frame_start(shoe, chain)
+    def _pivots(self, places: Sequence[base.Two], case: Whole) -> np.ndarray:
+        start = self.frame_start(case)
         pivots = [(x, y, z) for y in self.middles for x, z in places]
         reference = np.zeros((len(pivots), 6))
         reference[:, :3] = start + np.reshape(pivots, (-1, 3))
         return reference
 
-    def first_wheels(self, shoe: Shoe, chain: Track) -> np.ndarray:
+    def first_wheels(self, case: Whole) -> np.ndarray:
         """Return x and z in the frame, and radius, of one track's wheels at t = 0: array (wheels, 3), m."""
         raise NotImplementedError
 
-    def extent(self, shoe: Shoe, chain: Track) -> tuple[float, float, float]:
+    def extent(self, case: Whole) -> tuple[float, float, float]:
         """Return x of the frame's rear and front end, and z of the lowest wheel above its rollers, m."""
         raise NotImplementedError
 
@@ -209,9 +209,9 @@ class RunningGear(Gear):
 
     def standing(self, case: Whole) -> np.ndarray:
         """Return True for shoes below the outer rollers or between them: array (shoes,)."""
-        start = self.frame_start(case.shoe, case.track)
+        start = self.frame_start(case)
         half = 0.5 * case.track.pitch
-        coms = self.shoe_reference(case.shoe, case.track)
+        coms = self.shoe_reference(case)
         rear = self.rollers[0] + start[0]
         front = self.rollers[-1] + start[0]
         within = (coms[:, 0] >= rear - half) & (coms[:, 0] <= front + half)

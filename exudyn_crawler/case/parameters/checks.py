@@ -8,6 +8,7 @@ from functools import partial
 import numpy as np
 from pydantic import BaseModel
 
+from exudyn_crawler.case import statics
 from exudyn_crawler.case.case import Case
 from exudyn_crawler.case.parameters import drive, sizes
 from exudyn_crawler.case.parameters.terrain import Terrain
@@ -67,13 +68,13 @@ def _inertia(case: Case) -> Iterator[str]:
 def _unit_sag(case: Case, terrain: Terrain) -> float:
     """Return the sinkage (m) of a unit under its weight and the mean load of a shoe."""
     weight = terrain.unit_mass * case.gravity_vector()[2]
-    return float((case.mean_load - weight) / terrain.heave_stiffness)
+    return float((statics.mean_load(case) - weight) / terrain.heave_stiffness)
 
 
 def bottomless(case: Case) -> str | None:
     """Return a line on shoes that would sink too far for any ground; None if the ground carries them."""
     height = case.shoe.com_height + case.shoe.load_point[2]
-    depth = case.settled_penetration
+    depth = statics.settled_penetration(case)
     how = f"by {depth:.3g} m"
     deepest = depth / height
     if case.terrain.model != "cells":
@@ -82,7 +83,8 @@ def bottomless(case: Case) -> str | None:
         deepest = max(deepest, sag / case.terrain.unit_height)
     if deepest <= BOTTOMLESS:
         return None
-    return f"under the mean load of {_newtons(case.mean_load)} a shoe of {height:.3g} m would sink {how}"
+    load = _newtons(statics.mean_load(case))
+    return f"under the mean load of {load} a shoe of {height:.3g} m would sink {how}"
 
 
 def _gear(case: Case) -> Iterator[str]:
@@ -91,9 +93,9 @@ def _gear(case: Case) -> Iterator[str]:
 
 
 def _sinking(case: Case) -> Iterator[str]:
-    depth = case.settled_penetration
+    depth = statics.settled_penetration(case)
     height = case.shoe.com_height + case.shoe.load_point[2]
-    load = case.mean_load
+    load = statics.mean_load(case)
     sinks = f"contact: a shoe sinks by {depth:.3g} m under its mean load of {_newtons(load)},"
     if depth > DEEPEST * height:
         yield f"{sinks} more than half its height of {height:.3g} m; is it in N/m^exponent? Are loads in N?"

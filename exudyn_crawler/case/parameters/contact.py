@@ -77,7 +77,7 @@ class PairContact(Parameters):
 class SphereContact(Parameters):
     """Spheres under each shoe in Exudyn's `GeneralContact`, at the middle of equal parts of the underside.
 
-    They touch the underside from within. Their stiffness is not a parameter: with `Case.sphere_stiffness`, a
+    They touch the underside from within. Their stiffness is not a parameter: with that of `case.statics`, a
     shoe under its mean load settles as deep as under the IMPACT law of the reference values. The force is
     linear in the depth, so the tangent stiffness is that of this law over its exponent. Friction has one
     coefficient.

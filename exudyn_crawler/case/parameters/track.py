@@ -169,6 +169,13 @@ class Shoe(base.PH4100C, values=ph4100c.SHOE):
         return self.with_(mass=mass, inertia=tuple(ratio * value for value in self.inertia))
 
     @property
+    def roller_path(self) -> Rails:
+        """Rails that wheels roll on; raises `ValueError` for a shoe without rails."""
+        if self.rails is None:
+            raise ValueError("shoe.rails must be given: wheels roll on them")
+        return self.rails
+
+    @property
     def inertia_tensor(self) -> np.ndarray:
         """Inertia tensor about the COM, array (3, 3), kg m2."""
         return base.inertia_tensor(self.inertia)

@@ -33,7 +33,7 @@ class CellGroundContact:
         terrain = case.part(CellTerrain)
         shoe = case.shoe
         none = np.zeros((0, 0))
-        coms = case.shoe_reference
+        coms = case.gear.shoe_reference(case)
         x0, x1, y0, y1, z = shoe.footprint
         corners = np.array([[x0, y0, z], [x1, y0, z], [x1, y1, z], [x0, y1, z]])
         self.coordinates: TerrainCoordinates = TerrainModes(none, none, none, none, np.zeros(0), 1)

@@ -93,7 +93,7 @@ def _followed(sheet: Datasheet, case: Case) -> dict[str, float]:
     return {
         "gauge": sheet.track_gauge,
         "shoe_weight": case.shoe.mass,
-        "shoes": case.track.shoe_count // case.tracks,
+        "shoes": case.track.shoe_count // case.gear.tracks,
         "lower_rollers": len(machine.rollers),
         "carrier_rollers": len(machine.carriers),
     } | ({} if recoil is None else {"recoil_force": recoil.preload})

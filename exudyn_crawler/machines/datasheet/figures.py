@@ -46,7 +46,7 @@ def machine_mass(case: Case) -> float:
 def lengths(case: Case, sheet: Datasheet) -> tuple[float, float]:
     """Return the length on ground, and over the shoes, of one assembled track, m."""
     gear = case.part(Closed)
-    start = gear.assembled(case.shoe, case.track)
+    start = gear.assembled(case)
     rear, front, _, _, low = case.shoe.footprint
     if sheet.shoe_mesh is not None:
         low -= shoe_of_mesh(sheet.shoe_mesh).grouser

@@ -108,7 +108,7 @@ def _keyed(line: str) -> str:
 def passed_shoe(case: Case) -> int:
     """Return the number of the shoe below the foremost wheel in travel, which all other wheels pass over."""
     gear = case.part(Closed)
-    start = gear.assembled(case.shoe, case.track)
+    start = gear.assembled(case)
     rollers = start.frame[0] + np.array(gear.rollers)
     foremost = rollers.max() if case.drive.speed.values[-1] >= 0.0 else rollers.min()
     x = start.shoes[:, 0]

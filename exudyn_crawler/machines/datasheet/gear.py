@@ -40,8 +40,7 @@ def gear_of(sheet: Datasheet, chain: Chain, shoe: Shoe, track: Track) -> tuple[M
 
     Raise `ParameterError` in the datasheet's terms if wheels or weights do not fit.
     """
-    rails = shoe.rails
-    assert rails is not None
+    rails = shoe.roller_path
     pitch = chain.pitch
     place = wheels.wheels_of(sheet, chain, rails.height - track.pin_height)
     typical = pitch**3 * sheet.typical_value("sprocket_mass")

@@ -154,8 +154,7 @@ def fitted_shoe(sheet: Datasheet, shoe: Shoe, chain: Chain, fineness: str) -> "f
     """
     from meshes import fitted
 
-    rails = shoe.rails
-    assert rails is not None
+    rails = shoe.roller_path
     kind = ready_kind(sheet)
     size = fitted.ShoeSize(
         pitch=chain.pitch,

@@ -69,8 +69,7 @@ def track_of(sheet: Datasheet, chain: Chain, shoe: Shoe, of_mesh: MeshShoe | Non
             spherical_y=right + of_mesh.joint_y[0],
             parallel_y=right + of_mesh.joint_y[1],
         )
-    rails = shoe.rails
-    assert rails is not None
+    rails = shoe.roller_path
     return Track(
         shoe_count=2 * chain.shoes,
         first_com=(0.0, right),

@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from exudyn_crawler.case import Case, StepProfile
+from exudyn_crawler.case import Case, StepProfile, statics
 from exudyn_crawler.ground import laws
 from exudyn_crawler.ground.compiled import inner, kernel
 from exudyn_crawler.ground.packed import FloatArray, Ints1
@@ -61,8 +61,8 @@ def static_friction(case: Case, masses: np.ndarray) -> tuple[np.ndarray, np.ndar
     are those of the shoes (kg).
     """
     along_ground = case.terrain.down * np.array([1.0, 1.0, 0.0])
-    loads = case.first_loads
-    height = 0.5 * case.settled_penetration - case.shoe.com_height
+    loads = case.gear.first_loads(case)
+    height = 0.5 * statics.settled_penetration(case) - case.shoe.com_height
     force = -(loads + masses * case.gravity)[:, None] * along_ground
     return force, np.cross([*case.shoe.underside_center, height], force)
 

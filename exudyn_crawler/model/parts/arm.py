@@ -15,7 +15,7 @@ def add(assembler: Assembler) -> None:
     gear = case.part(RunningGear)
     if not gear.arms:
         return
-    reference = gear.arm_reference(case.shoe, case.track)
+    reference = gear.arm_reference(case)
     parts = [(arm, (arm.roller,)) for arm in gear.arms]
     numbers = add_pivoted(assembler, gear.arm_names, reference, parts)
     frame = assembler.body_named(SIDE_FRAME)

@@ -9,6 +9,6 @@ def add(assembler: Assembler) -> None:
     """Add the bogies of each track, which carry their rollers instead of the frame."""
     case = assembler.case
     gear = case.part(RunningGear)
-    reference = gear.bogie_reference(case.shoe, case.track)
+    reference = gear.bogie_reference(case)
     parts = [(bogie, bogie.rollers) for bogie in gear.bogies]
     add_pivoted(assembler, gear.bogie_names, reference, parts)

@@ -21,24 +21,26 @@ from exudyn_crawler.model.state import BEARING
 def add(assembler: Assembler) -> None:
     """Add the frame with its holds, load and wheels; the drive moves it instead of a shoe."""
     case = assembler.case
-    parts = case.frame_parts
+    gear = case.part(RunningGear)
+    start = gear.frame_start(case)
+    parts = gear.frame_parts
     frame = assembler.add_body(
         Body(
             SIDE_FRAME,
             sum(part.mass for part in parts),
             np.sum([part.mass * part.com for part in parts], axis=0),
             np.sum([second_moment(part.mass, part.inertia, part.com) for part in parts], axis=0),
-            np.array([*case.frame_start, 0.0, 0.0, 0.0]),
+            np.array([*start, 0.0, 0.0, 0.0]),
         )
     )
     origin = assembler.add_marker(frame, np.zeros(3))
     drawn = origin
     if case.drive.slip is not None:
-        height = case.drive.drawbar_height - case.frame_start[2]
+        height = case.drive.drawbar_height - start[2]
         drawn = assembler.add_marker(frame, np.array([0.0, 0.0, height]))
     assembler.drive = drawn, assembler.shoes - 1
     assembler.couple([frame], [DRIVE])
-    assembler.hold(frame, case.gear.holds)
+    assembler.hold(frame, gear.holds)
     assembler.add_load(origin)
     assembler.wheels = _wheels(assembler, frame)
     for shoe in range(assembler.shoes):
@@ -49,11 +51,10 @@ def _wheels(assembler: Assembler, frame: int) -> Wheels:
     """Return the wheels of the frame on the rails of the shoes; other parts may carry some of them."""
     case = assembler.case
     gear = case.part(RunningGear)
-    rails = case.shoe.rails
-    assert rails is not None
+    rails = case.shoe.roller_path
     lines = shoe_mesh.strip_lines(gear, rails)
-    middles = case.gear.middles
-    wheels = gear.first_wheels(case.shoe, case.track)
+    middles = gear.middles
+    wheels = gear.first_wheels(case)
     count = assembler.shoes // len(middles)
     first = count * np.repeat(np.arange(len(middles)), len(wheels))
     reduced = None if assembler.floating is None else assembler.floating.reduced
@@ -101,7 +102,7 @@ def add_pivoted(
         x, z = part.pivot
         com = part.com[0], 0.0, part.com[1]
         body = assembler.add_body(Body.rigid(name, part.mass, inertia_tensor(part.inertia), start, com))
-        axis = assembler.add_marker(frame, start[:3] - case.frame_start)
+        axis = assembler.add_marker(frame, start[:3] - gear.frame_start(case))
         assembler.add_pin(axis, assembler.add_marker(body, np.zeros(3)), BEARING.format(name))
         for number in carried:
             carry(assembler, wheels[number - 1], body, (gear.rollers[number - 1] - x, -z))
@@ -112,11 +113,12 @@ def add_pivoted(
 def carry(assembler: Assembler, wheel: int, body: int, place: tuple[float, float]) -> None:
     """Make a body carry a wheel of the frame; `place` is x and z of the wheel's axis in that body, m."""
     case = assembler.case
-    assert case.shoe.rails is not None
     x, z = place
     wheels = assembler.wheels
     wheels.frames[wheel] = body
     wheels.middles[wheel] = 0.0
-    wheels.places[wheel] = [(x, y, z) for y in shoe_mesh.strip_lines(case.part(RunningGear), case.shoe.rails)]
+    wheels.places[wheel] = [
+        (x, y, z) for y in shoe_mesh.strip_lines(case.part(RunningGear), case.shoe.roller_path)
+    ]
     for shoe in range(*wheels.shoes[wheel]):
         assembler.couple([shoe, body])

@@ -16,22 +16,21 @@ ALONG = np.eye(ROWS)[0]
 def add(assembler: Assembler) -> None:
     """Add the idler of each track if it slides on a spring; other idlers are wheels of the frame."""
     case = assembler.case
-    gear = case.gear
-    assert isinstance(gear, Closed)
+    gear = case.part(Closed)
     spring = gear.idler.slide
     if spring is None:
         return
     recoil = gear.idler.recoil
     frame = assembler.body_named(SIDE_FRAME)
     # where its spring would not push it: a recoil spring is installed where the idler stands
-    beyond = spring.preload / spring.stiffness - (case.assembled.take_up if recoil is None else 0.0)
+    beyond = spring.preload / spring.stiffness - (gear.assembled(case).take_up if recoil is None else 0.0)
     inertia = spring.inertia_tensor(gear.idler.radius)
     wheels = [k for k, label in enumerate(gear.wheel_labels) if label.kind == "idler"]
-    rows = zip(gear.sliding_idlers, case.idler_reference, wheels, strict=True)
+    rows = zip(gear.sliding_idlers, gear.idler_reference(case), wheels, strict=True)
     for name, reference, wheel in rows:
         idler = assembler.add_body(Body.rigid(name, spring.mass, inertia, reference))
         unpushed = reference[:3] + np.array([beyond, 0.0, 0.0])
-        axis = assembler.add_marker(frame, unpushed - case.frame_start)
+        axis = assembler.add_marker(frame, unpushed - gear.frame_start(case))
         assembler.add_pin(
             axis,
             assembler.add_marker(idler, np.zeros(3)),

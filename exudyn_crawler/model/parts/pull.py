@@ -12,8 +12,7 @@ from exudyn_crawler.model.parts.shoes import middle_marker
 def add(assembler: Assembler) -> None:
     """Add the pull, which acts on the frame and two shoes, and loads at the chain's ends."""
     case = assembler.case
-    gear = case.gear
-    assert isinstance(gear, Rolled)
+    gear = case.part(Rolled)
     shoes = range(assembler.shoes)
     assembler.pull = Pull(
         row=0,

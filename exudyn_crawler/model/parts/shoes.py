@@ -65,7 +65,7 @@ def _bodies(assembler: Assembler) -> list[Body]:
     """Return the bodies of the shoes; flexible ones have the mass of their finite elements."""
     case = assembler.case
     shoe = case.shoe
-    reference = case.shoe_reference
+    reference = case.gear.shoe_reference(case)
     names = [f"shoe {number}" for number in case.track.shoes]
     bodies = [
         Body.rigid(name, float(shoe.mass), shoe.inertia_tensor, row)
@@ -118,7 +118,7 @@ def _add_pins(assembler: Assembler) -> None:
     """Add the pins of all links: one between rigid shoes, two if a shoe is flexible."""
     case = assembler.case
     compliance = case.gear.pin_compliance * ACROSS_CHAIN
-    for rear, front in (case.links - 1).tolist():
+    for rear, front in (case.gear.links(case.track) - 1).tolist():
         bends = assembler.flexible[rear] or assembler.flexible[front]
         for side in SIDES if bends else SIDES[:1]:
             where = side if bends else case.gear.rigid_joint

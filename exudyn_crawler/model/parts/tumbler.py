@@ -19,16 +19,15 @@ AT_PLANE = 0.5
 def add(assembler: Assembler) -> None:
     """Add a tumbler of each track with bearing and motor, and the teeth that touch lugs of the shoes."""
     case = assembler.case
-    gear = case.gear
-    assert isinstance(gear, Closed)
+    gear = case.part(Closed)
     frame = assembler.body_named(SIDE_FRAME)
     # a drawbar test asks what the ground gives at a slip, which a drive that lags would change
     limit = np.inf if gear.torque_limit is None or case.drive.slip is not None else gear.torque_limit
     tumblers = []
-    for name, reference in zip(gear.tumblers, case.tumbler_reference, strict=True):
+    for name, reference in zip(gear.tumblers, gear.tumbler_reference(case), strict=True):
         inertia = inertia_tensor(gear.tumbler.inertia)
         tumbler = assembler.add_body(Body.rigid(name, gear.tumbler.mass, inertia, reference))
-        axis = assembler.add_marker(frame, reference[:3] - case.frame_start)
+        axis = assembler.add_marker(frame, reference[:3] - gear.frame_start(case))
         center = assembler.add_marker(tumbler, np.zeros(3))
         assembler.add_pin(axis, center, BEARING.format(name))
         assembler.add_motor(frame, tumbler, MOTOR.format(name), limit, gear.torque_speed)

@@ -10,7 +10,7 @@ from typing import Any, Literal, NamedTuple, get_args
 
 import numpy as np
 
-from exudyn_crawler.case import Case, Track, ph4100c
+from exudyn_crawler.case import Case, Track, ph4100c, statics
 from exudyn_crawler.case.parameters import base
 from exudyn_crawler.case.parameters.base import Place, Two
 from exudyn_crawler.case.parameters.track import FlexibleShoes
@@ -200,7 +200,7 @@ def check_of(case: Case) -> ShoeCheck:
 
     ValueError if the case has no flexible shoes.
     """
-    machine = case.mean_load / ph4100c.PROPEL_LOAD
+    machine = statics.mean_load(case) / ph4100c.PROPEL_LOAD
     machine = float(f"{machine:.3g}") if machine > 0.0 else 1.0
     levels = tuple(level.with_(force=machine * level.force) for level in LEVELS)
     mesh = case.part(FlexibleShoes).mesh

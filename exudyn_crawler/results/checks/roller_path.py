@@ -146,8 +146,7 @@ def _places(case: Case) -> np.ndarray:
 
     Parts 0 and n + 1 are the ends of the rail.
     """
-    rail = case.shoe.rails
-    assert rail is not None  # a rolled case has rails
+    rail = case.shoe.roller_path
     return np.linspace(rail.rear, rail.front, 1 + max(1, round((rail.front - rail.rear) / PLACE)))
 
 
@@ -174,7 +173,7 @@ def _passes(history: History, gear: RunningGear) -> pd.DataFrame:
     of_treads = "tread_force", "tread_foot", "roller_shoe"
     read = [name for name in (*of_strips, *of_treads) if name in history.dataset]
     names = history.dataset["wheel" if "wheel" in history.dataset.dims else "roller"].values
-    radii = np.tile(gear.first_wheels(case.shoe, case.track)[:, 2], case.tracks)
+    radii = np.tile(gear.first_wheels(case)[:, 2], case.gear.tracks)
     rolls = np.array([label.kind != "slide" for label in case.gear.wheel_labels])
     keys = ["shoe", "roller", "rail", "place"]
     tables = []

@@ -195,7 +195,7 @@ def pretension(case: Case, dataset: xr.Dataset, _begin: xr.Dataset) -> xr.DataAr
     idlers = [label.words for label in case.gear.wheel_labels if label.kind == "idler"]
     force = dataset.wheel_force.sel(wheel=idlers).transpose("time", "wheel", "axis").values
     pull = -0.5 * np.einsum("twi,ti->tw", force, ahead)
-    if case.tracks == 1:
+    if case.gear.tracks == 1:
         return xr.DataArray(pull[:, 0], {"time": dataset.time}, ["time"])
     return xr.DataArray(pull, {"time": dataset.time, TRACK: dataset[TRACK]}, ["time", TRACK])
 

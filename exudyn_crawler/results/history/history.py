@@ -140,7 +140,7 @@ class History:
         if "strip_wheel" in data:
             number_of = data.strip_wheel - number * wheels
             data = data.assign(strip_wheel=number_of.where(data.strip_wheel > 0, 0).astype(int))
-        joint = ("joint", case.joints, {"long_name": catalogue.LINKS[1]})
+        joint = ("joint", case.gear.joints(case.track), {"long_name": catalogue.LINKS[1]})
         data = data.drop_vars(["shoe_track", "joint_track"]).assign_coords(shoe=case.track.shoes, joint=joint)
         return History(case, data.assign(side_frame_position=place.copy(data=place.values + arm)))
 
@@ -210,7 +210,7 @@ def _check(case: Case, dataset: xr.Dataset) -> None:
     always -= {*files.TERRAIN_COORDINATES}
     if missing := sorted(always - set(map(str, dataset.variables))):
         raise ValueError(f"it has no {missing[0]}")
-    numbers = {"shoe": case.track.shoes, "joint": case.joints, "unit": case.terrain.units}
+    numbers = {"shoe": case.track.shoes, "joint": case.gear.joints(case.track), "unit": case.terrain.units}
     for name, expected in numbers.items():
         if len(expected) and not np.array_equal(dataset[name], expected):
             raise ValueError(f"its {name}s are not those of its case")

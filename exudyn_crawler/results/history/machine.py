@@ -25,7 +25,7 @@ def machine_answers(history: History) -> pd.DataFrame:
     """
     history.case.part(Closed)
     late = History(history.case, history.dataset.isel(time=history.time >= SETTLED * history.duration))
-    sides = SIDES if history.case.tracks > 1 else ("",)
+    sides = SIDES if history.case.gear.tracks > 1 else ("",)
     rows: list[Row] = []
     for side in sides:
         start = history.of_track(side) if side else history

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 import xarray as xr
 
-from exudyn_crawler.case import SIDES
+from exudyn_crawler.case import SIDES, Closed
 from exudyn_crawler.case.gear.base import SIDE_FRAME
 from exudyn_crawler.case.gear.rolled import Rolled
 from exudyn_crawler.case.gear.running_gear import RunningGear
@@ -54,7 +54,8 @@ def system_history(system: "TrackSystem", rows: np.ndarray) -> History:
     case = system.case
     states = _States(system, rows)
     time = states.part("time")
-    start = case.shoe_reference
+    gear = case.gear
+    start = gear.shoe_reference(case)
     if not start[:, 3:].any():  # the shoes of an open track start level
         start = start[:, :3]
     contacts, pairs = _contacts(states)
@@ -68,7 +69,7 @@ def system_history(system: "TrackSystem", rows: np.ndarray) -> History:
         coords={
             "time": ("time", time, {"units": "s"}),
             "shoe": case.track.shoes,
-            "joint": ("joint", case.joints, {"long_name": catalogue.LINKS[case.gear.loops]}),
+            "joint": ("joint", gear.joints(case.track), {"long_name": catalogue.LINKS[gear.loops]}),
             **({"unit": case.terrain.units} if len(case.terrain.units) else {}),
             "axis": AXES,
             **_coordinates(system),
@@ -115,9 +116,9 @@ def _pins(states: _States, angles: np.ndarray) -> tuple[np.ndarray, np.ndarray, 
     """
     layout = states.system.layout
     case = states.system.case
-    joints = case.joints
+    joints = case.gear.joints(case.track)
     frames = rotations.rotation_matrices(angles)
-    rear, front = np.moveaxis(frames[:, case.links - 1], 2, 0)
+    rear, front = np.moveaxis(frames[:, case.gear.links(case.track) - 1], 2, 0)
     y0, x1, z1 = rear[..., 1], front[..., 0], front[..., 2]
     names = [[pin_name(side, int(link)) for side in SIDES] for link in joints]
     has = np.array([[layout.has(name) for name in row] for row in names])
@@ -224,7 +225,8 @@ def _dragged(states: _States, motion: Arrays) -> Arrays:
 def _side_frame(states: _States) -> tuple[Arrays, "GearForces"]:
     """Return the motion of the side frame, and the forces of its wheels."""
     gear_forces = states.system.gear_forces(states.part("time"), *map(states.part, COORDINATES))
-    motion = _motion(states, SIDE_FRAME, states.system.case.frame_start, "side_frame_")
+    case = states.system.case
+    motion = _motion(states, SIDE_FRAME, case.part(RunningGear).frame_start(case), "side_frame_")
     return motion | _swinging(states, motion), gear_forces
 
 
@@ -236,7 +238,7 @@ def _swinging(states: _States, of_frame: Arrays) -> Arrays:
     angles = {}
     for quantity, names in (("bogie_angle", gear.bogie_names), ("arm_angle", gear.arm_names)):
         if names:
-            first = gear.arm_reference(case.shoe, case.track) if names == gear.arm_names else 0.0
+            first = gear.arm_reference(case) if names == gear.arm_names else 0.0
             turns = rotations.rotation_matrices((states.parts(names) + first)[..., 3:])
             forward = np.einsum("tki,tbk->tbi", frame, turns[..., 0])
             angles[quantity] = np.arctan2(-forward[..., 2], forward[..., 0])
@@ -276,7 +278,7 @@ def _closed(states: _States, motion: Arrays) -> Arrays:
     case = states.system.case
     of_frame, gear_forces = _side_frame(states)
     names = case.gear.tumblers
-    start = case.tumbler_reference
+    start = case.part(Closed).tumbler_reference(case)
     place = states.parts(names)[..., :3] + start[:, :3]
     torque = -states.parts(map(MOTOR.format, names))[..., 0]
     pitch, rate = (
@@ -284,7 +286,7 @@ def _closed(states: _States, motion: Arrays) -> Arrays:
         for after in RATES[:2]
     )
     take_up = _take_up(states)
-    if case.tracks == 1:
+    if case.gear.tracks == 1:
         place, torque, pitch, rate, take_up = (array[:, 0] for array in (place, torque, pitch, rate, take_up))
     named = of_frame | {
         "tumbler_position": place,
@@ -308,7 +310,7 @@ def _closed(states: _States, motion: Arrays) -> Arrays:
     shoes = np.array(states.system.layout.flexible_shoes) - 1
     across = rotations.rotation_matrices(motion["angles"][:, shoes])[..., 1]
     turned = states.parts(names)[..., 3:] + start[:, 3:]
-    axis = rotations.rotation_matrices(turned[:, shoes // case.loop.shoe_count])[..., 1]
+    axis = rotations.rotation_matrices(turned[:, shoes // case.gear.loop(case.track).shoe_count])[..., 1]
     times, count, slots, strips = gear_forces.strip_guide.shape
     split = (times, count, slots, len(SIDES), strips // len(SIDES), 3)
     guide = gear_forces.strip_guide[..., None] * across[:, :, None, None]
@@ -325,12 +327,13 @@ def _closed(states: _States, motion: Arrays) -> Arrays:
 def _take_up(states: _States) -> np.ndarray:
     """Return the take-up of the idlers of closed tracks, (times, tracks), m; constant unless idlers slide."""
     case = states.system.case
-    take_up = np.full((len(states.rows), case.tracks), case.assembled.take_up)
-    if not case.gear.sliding_idlers:
+    gear = case.part(Closed)
+    take_up = np.full((len(states.rows), gear.tracks), gear.assembled(case).take_up)
+    if not gear.sliding_idlers:
         return take_up
     frame = states.part(SIDE_FRAME)
-    start = case.idler_reference[:, :3] - case.frame_start
-    for k, name in enumerate(case.gear.sliding_idlers):
+    start = gear.idler_reference(case)[:, :3] - gear.frame_start(case)
+    for k, name in enumerate(gear.sliding_idlers):
         apart = states.part(name)[:, :3] - frame[:, :3] + start[k]
         turn = rotations.rotation_matrices(frame[:, 3:])
         take_up[:, k] += np.einsum("tik,ti->tk", turn, apart)[:, 0] - start[k, 0]
@@ -345,8 +348,9 @@ def _coordinates(system: "TrackSystem") -> dict[str, object]:
         named["mode"] = np.arange(1, system.layout.modes + 1)
         named["frequency"] = ("mode", system.frequencies, {"units": "Hz"})
         named["pin"] = list(SIDES)
-    if system.case.tracks > 1:
-        side = np.repeat(SIDES, system.case.loop.shoe_count)
+    case = system.case
+    if case.gear.tracks > 1:
+        side = np.repeat(SIDES, case.gear.loop(case.track).shoe_count)
         named |= {catalogue.TRACK: list(SIDES), "shoe_track": ("shoe", side), "joint_track": ("joint", side)}
     return named
 

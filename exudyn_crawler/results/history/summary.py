@@ -172,8 +172,8 @@ def unbalanced(history: History) -> tuple[str, float]:
     start = history.dataset.isel(time=0)
     shoes = case.shoe.mass * _size(start.acceleration).values
     forces = {f"shoe {shoe}": float(force) for shoe, force in zip(history.shoe.values, shoes, strict=True)}
-    if case.frame_parts:
-        mass = sum(part.mass for part in case.frame_parts)
+    if case.gear.frame_parts:
+        mass = sum(part.mass for part in case.gear.frame_parts)
         forces["side frame"] = mass * float(_size(start.side_frame_acceleration))
     return max(forces.items(), key=lambda item: item[1])
 

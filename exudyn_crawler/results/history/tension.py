@@ -31,9 +31,9 @@ def hanging_chains(case: Case, state: xr.Dataset) -> list[Hanging]:
     """Return the chains of all tracks in one state of a history: a dataset without times."""
     frame = state.side_frame_position.values
     turn = catalogue.rotation_matrices(state.side_frame_angles.values)
-    pins = _pins(case, state).reshape(case.tracks, -1, 3)
+    pins = _pins(case, state).reshape(case.gear.tracks, -1, 3)
     take_ups = np.atleast_1d(state.take_up.values)
-    sides = ("",) if case.tracks == 1 else SIDES
+    sides = ("",) if case.gear.tracks == 1 else SIDES
     chains = []
     for side, its_pins, take_up in zip(sides, pins, take_ups, strict=True):
         force = state.wheel_force.sel(wheel=f"{side} {IDLER}".strip()).values
@@ -49,15 +49,14 @@ def roller_clearances(case: Case, state: xr.Dataset) -> np.ndarray:
     on a roller presses it, so that its clearance is slightly negative.
     """
     closed = case.part(Closed)
-    rails = case.shoe.rails
-    assert rails is not None  # a closed track has rails
+    rails = case.shoe.roller_path
     frame = state.side_frame_position.values
     turn = catalogue.rotation_matrices(state.side_frame_angles.values)
-    pins = ((_pins(case, state) - frame) @ turn)[:, [0, 2]].reshape(case.tracks, -1, 2)
-    axes = np.zeros((case.tracks, len(closed.rollers), 2))
+    pins = ((_pins(case, state) - frame) @ turn)[:, [0, 2]].reshape(case.gear.tracks, -1, 2)
+    axes = np.zeros((case.gear.tracks, len(closed.rollers), 2))
     axes[:, :, 0] = closed.rollers
     if closed.arms:
-        for track, angles in zip(axes, state.arm_angle.values.reshape(case.tracks, -1), strict=True):
+        for track, angles in zip(axes, state.arm_angle.values.reshape(case.gear.tracks, -1), strict=True):
             for arm, angle in zip(closed.arms, angles, strict=True):
                 c, s = np.cos(angle), np.sin(angle)
                 arms = track[arm.roller - 1] - arm.pivot

@@ -165,10 +165,11 @@ def _joints(history: History, shoe: int, position: np.ndarray, frames: np.ndarra
     """Yield joints of both links; a link of rigid shoes has one, at its right pin, or midway if closed."""
     track = history.case.track
     gear = history.case.gear
-    ends = dict(zip(history.case.links[:, 1].tolist(), history.case.joints.tolist(), strict=True))
+    joints = gear.joints(track)
+    ends = dict(zip(gear.links(track)[:, 1].tolist(), joints.tolist(), strict=True))
     # stored forces act on a link's rear shoe: those of the link behind act here with the opposite sign
     for end, joint, sign in zip(ENDS, (shoe, ends.get(shoe, 0)), (1.0, -1.0), strict=True):
-        if joint not in history.case.joints:
+        if joint not in joints:
             continue
         link = history.dataset.sel(joint=joint)
         reactions = [link.joint_force.values, link.joint_torque.values]

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from exudyn_crawler.case import Case, StepProfile
+from exudyn_crawler.case import Case, RunningGear, StepProfile
 from exudyn_crawler.ground.rotations import rotation_matrices
 from exudyn_crawler.machines import CaseFile
 from exudyn_crawler.results.history.history import History
@@ -185,7 +185,7 @@ def _drawbar_place(history: History) -> np.ndarray:
     """Return x of the drawbar's point on the frame: array (times,), m."""
     case = history.case
     axes = rotation_matrices(history.side_frame_angles.transpose("time", "axis").values)
-    below = case.drive.drawbar_height - case.frame_start[2]
+    below = case.drive.drawbar_height - case.part(RunningGear).frame_start(case)[2]
     x: np.ndarray = history.side_frame_position.sel(axis="x").values + axes[:, 0, 2] * below
     return x
 

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from exudyn_crawler.case import Case
+from exudyn_crawler.case import Case, statics
 from exudyn_crawler.case.gear.closed import Closed
 from exudyn_crawler.case.parameters.terrain import CellContact
 
@@ -93,5 +93,5 @@ def even_track(case: Case) -> EvenTrack:
     length = gear.rollers[-1] - gear.rollers[0] + pitch
     area = gear.tracks * length / pitch * case.shoe.ground_area
     masses = gear.carried_mass + case.track.shoe_count * case.shoe.mass
-    weight = float(masses * -case.gravity_vector()[2]) - float(case.machine_wrench(0.0)[0][0, 2])
+    weight = float(masses * -case.gravity_vector()[2]) - float(statics.machine_wrench(case, 0.0)[0][0, 2])
     return EvenTrack(law, length, case.shoe.width, area, weight, gear.tracks, len(gear.rollers))

@@ -152,7 +152,7 @@ def highest_nodes(
     """Return hot spots among some nodes with verdicts, regions, shares of loads and positions at t = 0."""
     whole = basis.shapes
     time = history.time.values
-    start = history.case.shoe_reference[shoe - 1]
+    start = history.case.gear.shoe_reference(history.case)[shoe - 1]
     # only those stored times of a long run that may be in the table
     used, numbers = np.unique(peaks.time_indices, return_inverse=True)
     at_used = replace(peaks, time_indices=numbers)

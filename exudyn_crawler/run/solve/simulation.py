@@ -9,7 +9,7 @@ from itertools import pairwise
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from exudyn_crawler.case import Case, Solver
+from exudyn_crawler.case import Case, RunningGear, Solver
 from exudyn_crawler.case.gear.base import SIDE_FRAME
 from exudyn_crawler.case.gear.closed import Closed
 from exudyn_crawler.case.parameters.checks import warn_implausible
@@ -112,11 +112,11 @@ class ChainWatch:
         self._addendum = profile.addendum
         _, self._lug = self.closed.lugs(case.track)[0]
         self._gaps = np.full(case.track.shoe_count, -1)
-        self._ahead = case.links[:, 1] - 1
-        self._shoes = case.shoe_reference
-        self._frame = case.frame_start
-        self._tumblers = case.tumbler_reference
-        self._middles = np.repeat(case.gear.middles, case.loop.shoe_count)
+        self._ahead = case.gear.links(case.track)[:, 1] - 1
+        self._shoes = case.gear.shoe_reference(case)
+        self._frame = case.part(RunningGear).frame_start(case)
+        self._tumblers = case.part(Closed).tumbler_reference(case)
+        self._middles = np.repeat(case.gear.middles, case.gear.loop(case.track).shoe_count)
         pins = [name for name, _ in layout.multipliers if " pin of link " in name]
         self._links = np.array([int(name.rpartition(" ")[2]) - 1 for name in pins])
         # multipliers of every pin: along the ground, and normal to that and to the pin
@@ -193,7 +193,7 @@ class ChainWatch:
             inside & (after >= 0) & ((after - gaps) % int(self._teeth) != self.closed.tumbler.gaps_per_shoe)
         )
         self._gaps = gaps
-        on = inside.reshape(self.case.tracks, -1).any(axis=1)
+        on = inside.reshape(self.case.gear.tracks, -1).any(axis=1)
         if on.all() and not other.any():
             return ""
         # the shoe nearest to the tumbler, for a track without shoes on its tumbler

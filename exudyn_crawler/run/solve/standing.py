@@ -61,7 +61,8 @@ class Standing(NamedTuple):
         )
 
     def _chains(self) -> Iterator[str]:
-        weight = sum(part.mass for part in self.case.frame_parts) * self.case.gravity / self.case.tracks
+        gear = self.case.part(Closed)
+        weight = sum(part.mass for part in gear.frame_parts) * self.case.gravity / gear.tracks
         for chain in self.chains:
             side = f"{chain.side} chain" if chain.side else "chain"
             push = f"half of its push on the idler of {quantity_text(chain.push, 'N')}"
@@ -69,7 +70,7 @@ class Standing(NamedTuple):
             sag = (
                 f"it sags by {1e3 * chain.sag:.3g} mm in {chain.span:.3g} m between idler and {chain.carrier}"
             )
-            take_up = f"take-up {1e3 * float(self.case.assembled.take_up):.1f} mm"
+            take_up = f"take-up {1e3 * gear.assembled(self.case).take_up:.1f} mm"
             pull = quantity_text(chain.pretension, "N")
             yield f"tension at rest: {side} {pull}, {push} ({share}); {sag}; {take_up}"
 
@@ -79,7 +80,7 @@ def standing(case: Case, progress: bool | None = None) -> Standing | None:
 
     EquilibriumError if the search finds none.
     """
-    if not case.frame_parts:
+    if not case.gear.frame_parts:
         return None
     compiled(case, progress)
     rigid = solved_for_tension(case.with_(flexible=None), progress)

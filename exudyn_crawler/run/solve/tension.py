@@ -71,15 +71,15 @@ def _with_take_up(case: Case, take_up: float) -> Case:
 
 def adjusted_track(case: Case) -> Case:
     """Return the case of one track of a machine on level ground, with rigid shoes and its weight alone."""
-    whole = sum(part.mass for part in case.frame_parts)
-    along, _, up = np.sum([part.mass / whole * part.com for part in case.frame_parts], axis=0)
+    whole = sum(part.mass for part in case.gear.frame_parts)
+    along, _, up = np.sum([part.mass / whole * part.com for part in case.gear.frame_parts], axis=0)
     level: dict[str, Any] = {"relief": Heights(), "grade": 0.0, "side_slope": 0.0}
     if case.terrain.model == "cells":
         level["ruts"] = None
-    single = case if case.tracks == 1 else case.of_track(SIDES[0])
+    single = case if case.gear.tracks == 1 else case.of_track(SIDES[0])
     alone = single.with_(name="machine that stands", machine=None, flexible=None)
     changes = {f"terrain.{name}": value for name, value in level.items()}
-    half = {"mass": whole / case.tracks, "com": (float(along), 0.0, float(up)), "support": "ground"}
+    half = {"mass": whole / case.gear.tracks, "com": (float(along), 0.0, float(up)), "support": "ground"}
     return alone.with_(changes | {f"gear.{name}": value for name, value in half.items()})
 
 
@@ -170,7 +170,7 @@ def _search(case: Case) -> _Search:
     """
     gear = case.part(Closed)
     taut = _taut(case)
-    slack = max(taut - case.assembled.take_up, LEAST_SLACK)
+    slack = max(taut - gear.assembled(case).take_up, LEAST_SLACK)
     if not gear.sinks:
         return _Search(taut - slack, slack, taut)
     pretension = gear.idler.pretension
@@ -196,9 +196,8 @@ def _pushed_take_up(case: Case, push: float, taut: float) -> float:
 
 def _taut(case: Case) -> float:
     """Return the take-up (m) that just closes the chain."""
-    return case.with_(
-        {f"{IDLER}.sag": None, f"{IDLER}.pretension": None, f"{IDLER}.slack": 0.0}
-    ).assembled.take_up
+    taut = case.with_({f"{IDLER}.sag": None, f"{IDLER}.pretension": None, f"{IDLER}.slack": 0.0})
+    return taut.part(Closed).assembled(taut).take_up
 
 
 def _way(tried: list[_Tried]) -> float:

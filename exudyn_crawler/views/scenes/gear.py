@@ -52,17 +52,14 @@ def frame_on_rails(case: Case) -> tuple[RunningGear, Rails]:
 
     Raises ValueError if the case has no side frame.
     """
-    frame = case.part(RunningGear)
-    rails = case.shoe.rails
-    assert rails is not None
-    return frame, rails
+    return case.part(RunningGear), case.shoe.roller_path
 
 
 def gear_solids(history: History) -> list[Solid]:
     """Return side frames with their wheels and tumbler, and the car body; nothing for a dragged track."""
-    if not history.case.frame_parts:
+    if not history.case.gear.frame_parts:
         return []
-    solids = [] if history.case.tracks == 1 else [car_body(history)]
+    solids = [] if history.case.gear.tracks == 1 else [car_body(history)]
     for name, track in each_track(history).items():
         on_frame = [beam(track), *swinging_solids(track), *wheel_solids(track)]
         of_track = [*on_frame, *slide_solids(track), *tumbler_solids(track)]
@@ -72,7 +69,7 @@ def gear_solids(history: History) -> list[Solid]:
 
 def each_track(history: History) -> dict[str, History]:
     """Return every track alone, by the prefix of its bodies' names: its side if there are two tracks."""
-    if history.case.tracks == 1:
+    if history.case.gear.tracks == 1:
         return {"": history}
     return {f"{side} ": history.of_track(side) for side in SIDES}
 
@@ -88,7 +85,7 @@ def car_body(history: History) -> Solid:
 
 def beam_ends(case: Case) -> tuple[float, float]:
     """Return lowest and highest z (m) of the drawn beam in the side frame, below all parts above it."""
-    _, _, lowest = case.part(RunningGear).extent(case.shoe, case.track)
+    _, _, lowest = case.part(RunningGear).extent(case)
     return BEAM[0], min(BEAM[1], lowest)
 
 
@@ -97,7 +94,7 @@ def beam(history: History) -> Solid:
     frame, rails = frame_on_rails(history.case)
     half = 0.5 * (float(np.ptp(rails.middles)) - frame.tread_width) - GAP
     low, high = beam_ends(history.case)
-    rear, front, _ = frame.extent(history.case.shoe, history.case.track)
+    rear, front, _ = frame.extent(history.case)
     shape = box((rear, -half, low), (front, half, high))
     return Solid("side frame", *shape, style.BEAM, *frame_poses(history), 0.5, style.ROLLER_EDGE)
 
@@ -116,7 +113,7 @@ def swinging_solids(history: History) -> list[Solid]:
     frame, rails = frame_on_rails(history.case)
     # wider than the rollers, which remain visible below
     width = float(np.ptp(rails.middles)) + frame.tread_width + 2.0 * GAP
-    eye = EYE * frame.first_wheels(history.case.shoe, history.case.track)[0, 2]
+    eye = EYE * frame.first_wheels(history.case)[0, 2]
     solids = []
     for name, (x, z), rollers, turn in _swinging(history):
         joints = np.array([*((frame.rollers[number - 1], 0.0) for number in rollers), (x, z)])
@@ -158,7 +155,7 @@ def _swung(history: History) -> np.ndarray:
 def _wheels(case: Case) -> dict[str, tuple[list[str], np.ndarray]]:
     """Return names of the wheels of each kind, and their x, z and radius in the side frame (n, 3), m."""
     frame, _ = frame_on_rails(case)
-    table = frame.first_wheels(case.shoe, case.track)
+    table = frame.first_wheels(case)
     wheels = {}
     for kind, title in TURNING.items():
         rows = [row for row, label in enumerate(frame.wheel_labels) if label.kind == kind]
@@ -189,7 +186,7 @@ def wheel_solids(history: History) -> list[Solid]:
     forward = np.cross(axle, [0.0, 0.0, 1.0])
     forward /= np.linalg.norm(forward, axis=-1, keepdims=True)
     level = np.stack((forward, axle, np.cross(forward, axle)), axis=-1)
-    way = origin[..., 0] - case.frame_start[0]
+    way = origin[..., 0] - case.part(RunningGear).frame_start(case)[0]
     if history.has("tumbler_angle"):
         way = history.tumbler_angle.values[:, None] * case.part(Closed).travel_per_angle(case.track)
     solids = []
@@ -200,7 +197,8 @@ def wheel_solids(history: History) -> list[Solid]:
         radius = wheels[0, 2]
         hub = origin
         if name == "idler":  # a spring moves it from its assembled position
-            hub = origin + (history.take_up.values - case.assembled.take_up)[:, None, None] * turn[..., 0]
+            taut = case.part(Closed).assembled(case).take_up
+            hub = origin + (history.take_up.values - taut)[:, None, None] * turn[..., 0]
         placed = carried(hub, turn, places, level @ rotation_matrices(way[..., None] / radius * np.eye(3)[1]))
         if name == TURNING["roller"]:
             placed = placed[0] + np.repeat(_swung(history), len(rails.middles), axis=1), placed[1]
@@ -243,7 +241,8 @@ def tumbler_solids(history: History) -> list[Solid]:
     centers = case.track.joint_centers
     planes = np.array([[0.0, centers[f"rear {side}"][1], 0.0] for side in SIDES])
     _, turn = frame_poses(history)
-    angle = case.assembled.tumbler[4] + history.tumbler_angle.values[:, None, None]
+    first = case.part(Closed).assembled(case).tumbler[4]
+    angle = first + history.tumbler_angle.values[:, None, None]
     axis = history.tumbler_position.transpose("time", "axis").values[:, None], turn
     turned = turn @ rotation_matrices(angle * np.eye(3)[1])
     middle = planes.mean(axis=0)[None]
@@ -280,7 +279,7 @@ def gear_forces(dataset: xr.Dataset) -> list[tuple[str, str, np.ndarray, np.ndar
 
 def near_gear(history: History, shoes: np.ndarray, beside: float) -> list[Solid]:
     """Return wheels and tumbler within `beside` (m) of shoes with origins (times, shoes, 3)."""
-    if not history.case.frame_parts:
+    if not history.case.gear.frame_parts:
         return []
     near = []
     for track in each_track(history).values():

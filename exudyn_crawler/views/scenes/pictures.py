@@ -16,7 +16,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from exudyn_crawler.case import CellTerrain, Terrain
+from exudyn_crawler.case import CellTerrain, Terrain, statics
 from exudyn_crawler.results.history import History
 from exudyn_crawler.views import style
 from exudyn_crawler.views.scenes import gear, track
@@ -259,7 +259,7 @@ def ground_figure(history: History, time: float) -> Figure:
         how: dict[str, Any] = {"xytext": (0, 3), "textcoords": "offset points", "ha": "center"}
         for place, number in zip(x.values, x["shoe"].values, strict=True):
             carried.annotate(str(number), (place, 0.0), **how)
-        mean = case.mean_load / style.KILO
+        mean = statics.mean_load(case) / style.KILO
         carried.axhline(mean, color="k", ls="--", lw=0.8, label="mean load and weight")
         carried.set_ylim(top=1.25 * max(float(force.max()), mean))
         carried.legend(loc="upper left", fontsize="small")

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import xarray as xr
 
-from exudyn_crawler.case import SIDES, Case, CellTerrain, Terrain
+from exudyn_crawler.case import SIDES, Case, CellTerrain, Closed, Terrain
 from exudyn_crawler.case.gear.running_gear import RunningGear
 from exudyn_crawler.results.history import History, catalogue
 from exudyn_crawler.views.scenes import gear, pictures, track
@@ -24,7 +24,7 @@ def start_solids(case: Case) -> list[Solid]:
     whole = with_ground(start_of(case))
     section = replace(pictures.ground_section(whole, at_rest=True), name=SECTION)
     solids = [section, _surface(whole), *track.shoe_boxes(whole)]
-    if case.tracks == 1:
+    if case.gear.tracks == 1:
         return [*solids, *gear.gear_solids(whole)]
     solids.append(gear.car_body(whole))
     for side in SIDES:
@@ -35,22 +35,23 @@ def start_solids(case: Case) -> list[Solid]:
 
 def start_of(case: Case) -> History:
     """Return a history of the start alone, with the motion of the bodies but no forces."""
-    shoes = case.shoe_reference
+    shoes = case.gear.shoe_reference(case)
     values: dict[str, np.ndarray] = {"position": shoes[None, :, :3], "angles": shoes[None, :, 3:]}
-    if case.frame_parts:
-        values["side_frame_position"] = case.frame_start[None]
+    if case.gear.frame_parts:
+        values["side_frame_position"] = case.part(RunningGear).frame_start(case)[None]
         values["side_frame_angles"] = np.zeros((1, 3))
-    if case.tracks == 1 and case.gear.tumblers:
-        values["tumbler_position"] = case.tumbler_reference[:, :3]
+    if case.gear.tracks == 1 and case.gear.tumblers:
+        closed = case.part(Closed)
+        values["tumbler_position"] = closed.tumbler_reference(case)[:, :3]
         values["tumbler_angle"] = np.zeros(1)
-        values["take_up"] = np.array([case.assembled.take_up])
-    if case.tracks == 1 and case.frame_parts:
+        values["take_up"] = np.array([closed.assembled(case).take_up])
+    if case.gear.tracks == 1 and case.gear.frame_parts:
         frame = case.part(RunningGear)
         for name, bodies in (("bogie_angle", frame.bogies), ("arm_angle", frame.arms)):
             if bodies:
                 values[name] = np.zeros((1, len(bodies)))
         if frame.arms:
-            values["arm_angle"] += frame.arm_reference(case.shoe, case.track)[:, 4]
+            values["arm_angle"] += frame.arm_reference(case)[:, 4]
     if isinstance(case.terrain, Terrain):
         values["unit_heave"] = np.zeros((1, len(case.terrain.units)))
     variables = {name: catalogue.variable(name, value) for name, value in values.items()}

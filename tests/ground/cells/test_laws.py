@@ -8,6 +8,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from exudyn_crawler import Case, CaseFile, read_case, simulate, write_case
+from exudyn_crawler.case import statics
 from exudyn_crawler.case.parameters.terrain import SoilLaw, law_class
 from exudyn_crawler.errors import ParameterError
 from exudyn_crawler.ground.cells import laws
@@ -188,6 +189,7 @@ from exudyn_crawler.settings.parameters import quantity
 from exudyn_crawler.ground.cells.law import CellLaw, LawKernel, Memory, Response
 from exudyn_crawler.ground.compiled import inlined, kernel
 from exudyn_crawler.ground.frames import along
+from exudyn_crawler.case import statics
 
 
 class Winkler(NamedTuple):
@@ -253,7 +255,7 @@ def test_a_case_takes_a_law_of_one_file(winkler, tmp_path):
     case = read_case(write_case(file, tmp_path / "case.toml")).case
     assert case == file.case == saved_case(file.case.model_dump_json())
     assert type(case.contact.law) is type(winkler)
-    pressure = case.mean_load / (case.shoe.length * case.shoe.width)
+    pressure = statics.mean_load(case) / (case.shoe.length * case.shoe.width)
     start = simulate(case, 4e-3, False).position.isel(time=0)
     sinkage = case.shoe.com_height - start.sel(axis="z").values
     # link pins tilt the ends, each shoe a seventh of the one before
