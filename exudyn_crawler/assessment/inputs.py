@@ -187,7 +187,7 @@ def numbers_of(case: Case, settings: AssessmentSettings) -> AssessmentNumbers:
     stand = _stands(gear, ends, pitch)
     length = settings.length or stand.length
     least = settings.length or stand.least_length
-    gauge = gear.car_body.track_distance
+    gauge = gear.car_body.gauge
     width = case.shoe.width
     footprints = Footprints(gauge, length, width)
     middle = 0.5 * (stand.rear + stand.front)

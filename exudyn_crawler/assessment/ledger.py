@@ -11,7 +11,7 @@ from exudyn_crawler.origins import Entry, Ledger, Origin, Rule, Ruled, read_rule
 from exudyn_crawler.settings import fields
 
 OF_CASE = (
-    *("gravity", "gear.car_body.track_distance", "shoe.width", "shoe.mass", "track.pitch", "gear.rollers"),
+    *("gravity", "gear.car_body.gauge", "shoe.width", "shoe.mass", "track.pitch", "gear.rollers"),
     *("gear.roller_radius", "gear.tread_width", "gear.car_body.upper_mass", "gear.car_body.upper_com"),
 )
 """Paths of the case's values in every assessment."""

@@ -231,7 +231,9 @@ def _stated(entry: object, path: Path) -> tuple[str, ...]:
     if isinstance(entry, str):
         named = path.parent / entry
         entry = toml_content(named, "case file") if named.is_file() else {}
-    return tuple(map(fields.path_text, stated(entry))) if isinstance(entry, dict) else ()
+    if not isinstance(entry, dict):
+        return ()
+    return tuple(fields.path_text(fields.present_path(CaseFile, place)) for place in stated(entry))
 
 
 def _is_of_assessment(content: dict[str, Any]) -> bool:

@@ -156,8 +156,8 @@ PROPEL_END, DIG_END, SWING_END, DUMP_END, RETURN_END = REST_START, 22.5, 30.0, 3
 
 # rolling propel
 MACHINE_MASS, SHOES_ON_GROUND = 1_410_184.0, 16  # kg, and shoes of a track that touch the ground (K-chapter)
-CRAWLER_LENGTH, TRACK_DISTANCE = 11.6, 12.8 - ShoeDimensions.width
-"""m (K-chapter): length of a crawler; between the tracks' middles, from the width over both."""
+CRAWLER_LENGTH, GAUGE = 11.6, 12.8 - ShoeDimensions.width
+"""m (K-chapter): length of a crawler; gauge, from the width over both tracks."""
 _CARRIED = 0.5 * MACHINE_MASS - SHOES_ON_GROUND * SHOE["mass"]
 ROLLER_RADIUS, TREAD_WIDTH = 0.4, 0.18
 """m. Assumed; treads are within the rails."""
@@ -266,7 +266,7 @@ CLOSED_TRACK: Mapping[str, Any] = {
 SIDE_FRAME_MASS, _UPPER_MASS = 100e3, 650e3  # kg. Assumed: each side frame with its wheels; upper structure
 _CAR_BODY_MASS = 2.0 * CLOSED_TRACK["mass"] - 2.0 * SIDE_FRAME_MASS - _UPPER_MASS
 CAR_BODY: Mapping[str, Any] = {
-    "track_distance": TRACK_DISTANCE,
+    "gauge": GAUGE,
     "mass": _CAR_BODY_MASS,  # kg: what is left of the machine
     # kg m2. Assumed: radii of gyration of 3 m in yaw, 2.5 m in roll and pitch
     "inertia": (_CAR_BODY_MASS * 2.5**2, _CAR_BODY_MASS * 2.5**2, _CAR_BODY_MASS * 3.0**2, 0.0, 0.0, 0.0),

@@ -87,7 +87,7 @@ def _change(text: str) -> tuple[str, fields.KeyPath, Any]:
     if not equals:
         like = "terrain.spring_stiffness=1e7 or loads.phases[0].end=15"
         raise ValueError(f"a change must be like {like}, got {text!r}")
-    return key, _whole_path(key, path), typed_value(value)
+    return key, _whole_path(key, fields.present_path(CaseFile, path)), typed_value(value)
 
 
 def typed_value(text: str) -> Any:

@@ -7,7 +7,7 @@ from exudyn_crawler.case.case import Case
 from exudyn_crawler.machines.case_files import read_case
 from exudyn_crawler.settings import fields, reading
 
-SCALES = ("mass", "length", "width", "pitch", "radius", "distance")
+SCALES = ("mass", "length", "width", "pitch", "radius", "gauge")
 """Endings of the names of quantities that give the size of a part."""
 CHANGED = 1.5  # ratio to the base's value, or its inverse, above which a part has another scale
 OF_NO_MACHINE = ("terrain", "contact", "drive", "loads", "solver", "flexible", "machine")
@@ -28,7 +28,7 @@ def unscaled_lines(path: str | Path, changes: Iterable[str] = ()) -> list[str]:
         return []
     case = read_case(path, changes).case
     base = fields.named_values(Case)[name]()
-    in_file = set(reading.stated(content))
+    in_file = {fields.present_path(Case, place) for place in reading.stated(content)}
     tables = _tables(case)
     of_base = {entry.path: entry for entry in fields.values_of(base)}
     scaled = {table: _scaled(entries, of_base) for table, entries in tables.items()}

@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from typing import Any, Literal, NamedTuple, TypeGuard, get_args, get_origin
 
-from pydantic import BaseModel
+from pydantic import AliasChoices, BaseModel
 from pydantic.fields import FieldInfo
 
 from exudyn_crawler.errors import ParameterError
@@ -65,6 +65,8 @@ def with_change(
     """
     if not path:
         return change(values)
+    if kind is not None:
+        path = present_path(kind, path)
     part = path[0]
     below = path[1:]
     if isinstance(part, int) or part == EVERY:
@@ -131,6 +133,29 @@ def key_paths(kind: type[BaseModel], start: str = "") -> Iterator[str]:
         parts = models_of(field.annotation)
         below = (path for part in parts for path in key_paths(part, f"{start}{name}."))
         yield from dict.fromkeys(below if parts else [f"{start}{name}"])
+
+
+def present_name(kind: type[BaseModel], key: str) -> str:
+    """Return the name of a field of a class for its key in a file, which may be that of earlier versions."""
+    for name, field in kind.model_fields.items():
+        alias = field.validation_alias
+        if isinstance(alias, AliasChoices) and key in alias.choices:
+            return name
+    return key
+
+
+def present_path(kind: type[BaseModel], path: KeyPath) -> KeyPath:
+    """Return a path in a class or its file with the present names of its fields."""
+    kinds: tuple[type[BaseModel], ...] = (kind,)
+    found: list[int | str] = []
+    for part in path:
+        if isinstance(part, str) and part != EVERY:
+            part = next((name for one in kinds if (name := present_name(one, part)) != part), part)
+            tables = [{**one.model_fields, **file_fields(one)} for one in kinds]
+            field = next((table[part] for table in tables if part in table), None)
+            kinds = () if field is None else models_of(field.annotation)
+        found.append(part)
+    return tuple(found)
 
 
 def unit_at(kind: type[BaseModel], path: KeyPath) -> str | None:
@@ -244,7 +269,7 @@ def walk(model: BaseModel, place: KeyPath = ()) -> Iterator[Item]:
 
 def entry_at(model: BaseModel, path: KeyPath) -> Item | None:
     """Return the table or value at a path, else the value that is the list of the path; None if neither."""
-    place = tuple(0 if part == EVERY else part for part in path)
+    place = tuple(0 if part == EVERY else part for part in present_path(type(model), path))
     entries = {entry.place: entry for entry in walk(model)}
     while place not in entries and place and isinstance(place[-1], int):
         place = place[:-1]

@@ -153,7 +153,8 @@ def filled(
         values.setdefault(tag_field, fields.tag_of(kind))
     entries = {name: value for name, value in content.items() if name != fields.BASE}
     exponent = (values | entries).get("exponent")
-    for name, value in entries.items():
+    for key, value in entries.items():
+        name = fields.present_name(kind, key)
         field = kind.model_fields.get(name)
         if field is not None:
             value_unit = _unit_of(field, exponent)

@@ -257,7 +257,7 @@ def test_machines_of_datasheets_are_assessed(name):
     # its end wheels are a little higher than the rollers
     assert 0.8 < found.numbers.footprints.length / sheet.length_on_ground < 1.0
     ledger = found.ledger
-    gauge = ledger["gear.car_body.track_distance"].origin
+    gauge = ledger["gear.car_body.gauge"].origin
     assert gauge is (Origin.ASSUMED if "gauge" in sheet.remembered else Origin.LIBRARY)
     assert ledger["gear.roller_radius"].origin is Origin.ASSUMED
     # what the settings leave to the case has its origin

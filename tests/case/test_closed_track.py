@@ -222,7 +222,7 @@ def test_machine_has_two_closed_loops_side_by_side_and_its_parts_weigh_what_it_w
     case = Case.shovel()
     assert openings(case).max() < 1e-12
     right, left = case.gear.shoe_reference(case).reshape(2, 38, 6)
-    apart = [0.0, case.gear.car_body.track_distance, 0.0, 0.0, 0.0, 0.0]
+    apart = [0.0, case.gear.car_body.gauge, 0.0, 0.0, 0.0, 0.0]
     assert left - right == pytest.approx(np.tile(apart, (38, 1)))
     assert case.gear.frame_start(case)[1] == pytest.approx(0.5 * (right + left)[0, 1])
     assert case.gear.links(case.track)[[37, 75]].tolist() == [[38, 1], [76, 39]]

@@ -133,7 +133,7 @@ def test_case_file_with_a_datasheet_has_units_in_words_and_changes_of_what_follo
 def test_file_of_a_library_machine_with_another_shoe(written):
     case_file = read_case(written('duration = 1.0\n[datasheet]\nbase = "pc300lc"\nshoe_width = "700 mm"\n'))
     assert case_file.case.shoe.width == 0.7
-    assert case_file.case.gear.car_body.track_distance == 2.59
+    assert case_file.case.gear.car_body.gauge == 2.59
 
 
 def test_every_value_says_where_it_comes_from(written):
@@ -173,7 +173,7 @@ def test_values_that_no_file_has_are_not_shown_as_given(written):
 def test_values_that_were_not_seen_are_shown_as_assumed(written):
     case_file = read_case(written(SHORT + 'remembered = ["gauge"]\n'))
     rows = case_ledger(case_file)
-    assert rows["gear.car_body.track_distance"].origin == "assumed"
+    assert rows["gear.car_body.gauge"].origin == "assumed"
     assert rows["shoe.width"].origin == "given"
 
 

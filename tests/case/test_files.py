@@ -11,9 +11,10 @@ from jsonschema import Draft202012Validator
 from exudyn_crawler import Case, CaseFile, FlexibleShoes, LoadCycle, PairContact, SphereContact, Terrain
 from exudyn_crawler.case import CellContact, CellTerrain
 from exudyn_crawler.ground.cells.laws.bekker import BekkerSoil
-from exudyn_crawler.machines import Outputs, read_case, write_case
+from exudyn_crawler.machines import Outputs, read_case, saved_case, write_case
 from exudyn_crawler.machines.case_file import case_text
 from exudyn_crawler.machines.case_files import case_schema
+from exudyn_crawler.settings import fields
 from exudyn_crawler.settings.fields import case_rows, key_paths, models_of, named_values, number_text, tag_of
 from meshes import shoe_path
 from tests.case.strategies import BASES, case_files, changed
@@ -336,3 +337,18 @@ def test_files_that_hold_little_fit(schema, text):
 )
 def test_mistakes_are_found(schema, text, words):
     assert words in told(schema, text)
+
+
+def test_a_field_under_its_earlier_name_is_read(read, tmp_path):
+    """Files, changes, sweeps' paths and stored results of earlier versions have `track_distance`."""
+    earlier = "gear.car_body.track_distance"
+    wide = Case.shovel().with_({"gear.car_body.gauge": 9.5})
+    assert Case.shovel().with_({earlier: 9.5}) == wide
+    assert Case.shovel().with_({earlier: 9.5, "gear.car_body.mass": wide.gear.car_body.mass}) == wide
+    assert read('base = "shovel"\nduration = 1\n[gear.car_body]\ntrack_distance = "950 cm"\n').case == wide
+    path = write_case(CaseFile(case=Case.shovel(), duration=1.0), tmp_path / "case.toml")
+    path.write_text(path.read_text().replace("gauge =", "track_distance ="))
+    assert read_case(path, [f"{earlier}=9.5"]).case == wide
+    assert saved_case(wide.model_dump_json().replace('"gauge"', '"track_distance"')) == wide
+    item = fields.entry_at(wide, fields.parse_path(earlier))
+    assert (item.path, item.value) == ("gear.car_body.gauge", 9.5)

@@ -45,7 +45,7 @@ def test_what_a_user_changed_of_a_library_machine_is_given_by_the_file_and_by_no
     assert gauge.origin is Origin.ASSUMED
     assert "of the library's Caterpillar 6060" in gauge.how
     assert rows["shoe.width"].origin is Origin.GIVEN
-    assert rows["gear.car_body.track_distance"].how == gauge.how
+    assert rows["gear.car_body.gauge"].how == gauge.how
 
 
 def test_what_is_left_of_another_machine_is_warned_of(read):

@@ -169,15 +169,15 @@ def test_parts_too_heavy_for_the_weight_are_named(lines):
 def test_values_that_a_case_has_of_its_own_are_held_against_its_machine(tmp_path):
     """Those of the file beside a datasheet, and those of a machine without one, by its weight of 1410 t."""
     case_file = read_case(machines()["pc300lc"])
-    changed = case_file.case.with_({"gear.car_body.track_distance": 5.0, "gear.torque_limit": 5e5})
+    changed = case_file.case.with_({"gear.car_body.gauge": 5.0, "gear.torque_limit": 5e5})
     found = list(machine_discrepancies(case_file.with_(case=changed)))
-    assert [line.split(":")[0] for line in found] == ["gear.car_body.track_distance", "gear.torque_limit"]
+    assert [line.split(":")[0] for line in found] == ["gear.car_body.gauge", "gear.torque_limit"]
     assert "5 m is outside of 1.477 to 4.267 m of an excavator of 35.37 t" in found[0]
     shovel = Case.shovel()
     assert list(machine_discrepancies(CaseFile(case=shovel))) == []
-    wide = shovel.with_({"gear.car_body.track_distance": 20.0})
+    wide = shovel.with_({"gear.car_body.gauge": 20.0})
     (line,) = machine_discrepancies(CaseFile(case=wide))
-    assert line.startswith("gear.car_body.track_distance: 20 m is outside of 5.0")
+    assert line.startswith("gear.car_body.gauge: 20 m is outside of 5.0")
     assert " of a machine of 1410 t" in line
 
 

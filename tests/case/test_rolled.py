@@ -127,7 +127,7 @@ def test_both_tracks_carry_the_whole(swing):
 
 
 def test_shares_are_those_of_statics():
-    share = 0.5 * WHOLE + LEVER / ph4100c.TRACK_DISTANCE
+    share = 0.5 * WHOLE + LEVER / ph4100c.GAUGE
     assert resultant(np.pi / 2)[0] == pytest.approx(share * ph4100c.GRAVITY)
 
 

@@ -29,8 +29,8 @@ TUMBLER = CLOSED.gear.tumbler
         (CLOSED, {"track.pin_height": -0.3}, r"pin_height must be above the shoe's underside at -0\.2025 m"),
         (
             SHOVEL,
-            {"gear.car_body.track_distance": 2.8},
-            r"track_distance must be at least the shoes' width of 3\.505",
+            {"gear.car_body.gauge": 2.8},
+            r"gauge must be at least the shoes' width of 3\.505",
         ),
         (
             CLOSED,

@@ -23,7 +23,7 @@ FRICTION = 0.3
 def twice(case):
     """Two of a closed track, whose side frames have the machine between them."""
     small = {"mass": 1e3, "inertia": (1e3, 1e3, 1e3, 0.0, 0.0, 0.0), "com": case.gear.com}
-    body = CarBody(track_distance=9.0, **small, **{f"upper_{name}": value for name, value in small.items()})
+    body = CarBody(gauge=9.0, **small, **{f"upper_{name}": value for name, value in small.items()})
     gear = Machine.of(case.gear.with_(mass=case.gear.mass - 1e3), body)
     return case.with_({"track.shoe_count": 76}, loads=LoadCycle.constant([0.0] * 76), gear=gear)
 
@@ -117,7 +117,7 @@ def test_moment_of_turning_on_the_spot(spot):
     assert moment == pytest.approx(even, rel=0.1)
     # slip along the tracks over that across at their ends
     rate = data.side_frame_angular_velocity.values[late, 2].mean()
-    slip = (0.05 - rate) * 0.5 * case.gear.car_body.track_distance / (0.5 * rate * length)
+    slip = (0.05 - rate) * 0.5 * case.gear.car_body.gauge / (0.5 * rate * length)
     share = np.sqrt(1.0 + slip**2) - slip**2 * np.arcsinh(1.0 / slip)
     assert moment == pytest.approx(share * even, rel=0.03)
     # both tracks pull against each other
@@ -165,7 +165,7 @@ def test_one_track_of_a_machine_is_a_history_of_its_own(spot):
     assert link_name(left.joint, 38) == "link 38-1"
     assert spot.shoe_track.sel(shoe=39) == spot.joint_track.sel(joint=76) == "left"
     apart = left.side_frame_position.values - spot.side_frame_position.values
-    assert np.linalg.norm(apart, axis=-1) == pytest.approx(0.5 * spot.case.gear.car_body.track_distance)
+    assert np.linalg.norm(apart, axis=-1) == pytest.approx(0.5 * spot.case.gear.car_body.gauge)
     place = (left.tumbler_position - left.side_frame_position).values
     start = left.case.gear.tumbler_reference(left.case)[0, :3] - left.case.gear.frame_start(left.case)
     assert np.linalg.norm(place, axis=1) == pytest.approx(np.linalg.norm(start), rel=1e-3)
@@ -184,7 +184,7 @@ def test_weight_beside_the_middle_is_shared_by_the_tracks(changes):
     parts = [*case.gear.frame_parts, Part(76 * case.shoe.mass, np.array([0.0, 0.0, 0.4]), np.eye(3))]
     down, ground = case.terrain.down, case.gear.frame_start(case)[2]
     aside = sum(part.mass * (part.com[1] - (part.com[2] + ground) * down[1] / down[2]) for part in parts)
-    expected = 0.5 + aside / sum(part.mass for part in parts) / case.gear.car_body.track_distance
+    expected = 0.5 + aside / sum(part.mass for part in parts) / case.gear.car_body.gauge
     pressed = [history.of_track(side).normal_force.isel(time=-1).sum() for side in ("right", "left")]
     assert float(pressed[1] / (pressed[0] + pressed[1])) == pytest.approx(expected, abs=0.004)
     assert abs(expected - 0.5) > 0.02
@@ -201,9 +201,7 @@ def test_digging_loads_are_shared_by_the_tracks_and_held_by_the_ground():
         held = (history.normal_force + history.friction_force).isel(time=-1)
         left = held.where(history.contact_shoe > 38, 0.0)
         carried.append(held.sum("contact").values)
-        moments.append(
-            float((2.0 * left - held).sel(axis="z").sum()) * 0.5 * still.gear.car_body.track_distance
-        )
+        moments.append(float((2.0 * left - held).sel(axis="z").sum()) * 0.5 * still.gear.car_body.gauge)
     weight = carried[0][2]
     # the ground gives as it takes the pull up
     assert carried[1] - carried[0] == pytest.approx(-force, abs=5e-3 * weight)

@@ -44,6 +44,6 @@ def test_machines_of_the_library_turn_on_the_spot(name):
     # tracks slip as they turn the machine
     assert 0.3 * commanded < turned < commanded
     middle = history.side_frame_position.values
-    assert np.abs(middle[-1, :2] - middle[0, :2]).max() < 0.1 * case.gear.car_body.track_distance
+    assert np.abs(middle[-1, :2] - middle[0, :2]).max() < 0.1 * case.gear.car_body.gauge
     right, left = history.drive_moment.values[-1]
     assert right > 0.0 > left

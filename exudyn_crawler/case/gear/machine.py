@@ -23,7 +23,7 @@ INSTANTS = 501  # number of times for the integration of the travelled path
 class Machine(Closed):
     """Machine on two closed tracks, which share `track.shoe_count`, the right first; nothing holds its plane.
 
-    The tracks go at `drive.speed` more or less half of `car_body.track_distance` times `drive.turn_rate`.
+    The tracks go at `drive.speed` more or less half of `car_body.gauge` times `drive.turn_rate`.
     """
 
     kind: Literal["machine"] = option(  # type: ignore[assignment]
@@ -87,7 +87,7 @@ class Machine(Closed):
     @property
     def tipping(self) -> float:
         """Lateral distance from the middle at which a weight tips the machine, m."""
-        return 0.5 * self.car_body.track_distance
+        return 0.5 * self.car_body.gauge
 
     def assembled(self, case: Whole) -> Assembled:
         """Return the start of the right track; raises `assembly.MisfitError` if its chain does not close."""
@@ -110,9 +110,9 @@ class Machine(Closed):
         if self.support == "posts":
             yield "gear.support must be 'ground' with gear.kind 'machine', which stands on both tracks"
         width = f"the shoes' width of {case.shoe.width:.4g} m"
-        apart = self.car_body.track_distance
+        apart = self.car_body.gauge
         if apart < case.shoe.width:
-            yield f"gear.car_body.track_distance must be at least {width}, got {apart:g} m"
+            yield f"gear.car_body.gauge must be at least {width}, got {apart:g} m"
         yield from super().errors(case)
 
     def turn_errors(self, drive: Drive) -> Errors:

@@ -4,6 +4,7 @@ import math
 from typing import NamedTuple
 
 import numpy as np
+from pydantic import AliasChoices
 
 from exudyn_crawler.case import ph4100c
 from exudyn_crawler.case.parameters import base
@@ -27,8 +28,11 @@ class CarBody(base.PH4100C, values=ph4100c.CAR_BODY):
     height of the lower rollers' axes. Track 1 is the right one; `track.first_com` gives its middle.
     """
 
-    track_distance: base.Length = quantity(
-        "m", "gauge: distance between the middles of both tracks", (1.0, 20.0)
+    gauge: base.Length = quantity(
+        "m",
+        "distance between the middles of both tracks",
+        (1.0, 20.0),
+        validation_alias=AliasChoices("gauge", "track_distance"),  # the second: files of earlier versions
     )
     mass: base.Mass = quantity("kg", "mass of the car body without side frames", (1e2, 1e6))
     inertia: base.Inertia = quantity(
@@ -53,7 +57,7 @@ class CarBody(base.PH4100C, values=ph4100c.CAR_BODY):
     @property
     def middles(self) -> tuple[float, float]:
         """Lateral positions y of the tracks' middles, right and left, m."""
-        return -0.5 * self.track_distance, 0.5 * self.track_distance
+        return -0.5 * self.gauge, 0.5 * self.gauge
 
     def upper_at(self, angle: float) -> tuple[np.ndarray, np.ndarray]:
         """Return the upper structure's COM (3,), m, and inertia tensor, kg m2, at a slewing angle (rad)."""

@@ -88,7 +88,7 @@ class MachineCycle(loads.Cycle):
             whole = forces.sum(axis=0)
             moment = np.cross(places, forces).sum(axis=0)
             aside = moment[0] / whole[2]
-            share = 0.5 + side * aside / ph4100c.TRACK_DISTANCE
+            share = 0.5 + side * aside / ph4100c.GAUGE
             if not 0.0 <= share <= 1.0:
                 acts = f"its weight acts {aside:.3g} m beside the middle"
                 raise ValueError(f"the machine tips sideways at the end of {pose.name!r}: {acts}")

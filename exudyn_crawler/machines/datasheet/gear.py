@@ -179,7 +179,7 @@ def _torque(sheet: Datasheet, radius: float) -> float | None:
 
 def _car_body(sheet: Datasheet, parts: weights.PartWeights) -> CarBody:
     return CarBody(
-        track_distance=sheet.track_gauge,
+        gauge=sheet.track_gauge,
         mass=parts.body,
         inertia=parts.body_inertia,
         com=parts.body_com,
