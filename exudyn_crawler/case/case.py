@@ -7,6 +7,7 @@ from pydantic import Field
 
 from exudyn_crawler.case import named, outline, ph4100c, statics
 from exudyn_crawler.case.gear import AnyGear
+from exudyn_crawler.case.gear.base import NOT_COMPILED
 from exudyn_crawler.case.gear.dragged import Dragged
 from exudyn_crawler.case.parameters import sizes
 from exudyn_crawler.case.parameters.contact import PairContact, SphereContact
@@ -19,7 +20,6 @@ from exudyn_crawler.case.parameters.track import SIDES, FlexibleShoes, Shoe, Tra
 from exudyn_crawler.settings import fields
 from exudyn_crawler.settings.parameters import Errors, Name, Parameters, option, quantity
 
-NOT_COMPILED = "contact.model 'spheres' and terrain_formulation 'constrained'"
 Section = TypeVar("Section", bound=Parameters)
 
 

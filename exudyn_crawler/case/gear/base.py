@@ -20,6 +20,8 @@ from exudyn_crawler.settings.parameters import Errors, Parameters
 
 SIDE_FRAME = "side frame"
 """Name of the body that rolls over the shoes; on two tracks it is the machine without shoes and tumblers."""
+NOT_COMPILED = "contact.model 'spheres' and terrain_formulation 'constrained'"
+"""Values of a case that has no compiled equations of motion."""
 POSTS = (0, 1, 2, 3, 4, 5)
 """Coordinates of a side frame that posts hold: all six."""
 

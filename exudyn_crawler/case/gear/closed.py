@@ -43,12 +43,12 @@ class Closed(ClosedFrame):
     @property
     def tumblers(self) -> tuple[str, ...]:
         """Names of the tumblers."""
-        return ("tumbler",)
+        return self._on_tracks(["tumbler"])
 
     @property
     def sliding_idlers(self) -> tuple[str, ...]:
         """Names of the idlers that slide on springs."""
-        return () if self.idler.slide is None else ("idler",)
+        return self._on_tracks([] if self.idler.slide is None else ["idler"])
 
     @property
     def holds(self) -> tuple[int, ...]:

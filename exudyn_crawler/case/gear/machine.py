@@ -59,16 +59,6 @@ class Machine(Closed):
         return np.array(self.car_body.middles)
 
     @property
-    def tumblers(self) -> tuple[str, ...]:
-        """Names of the tumblers."""
-        return _beside(super().tumblers)
-
-    @property
-    def sliding_idlers(self) -> tuple[str, ...]:
-        """Names of the idlers that slide on springs."""
-        return _beside(super().sliding_idlers)
-
-    @property
     def wheel_labels(self) -> list[WheelLabel]:
         """Kinds and numbers of the wheels of the right track, then of the left one."""
         labels = super().wheel_labels
@@ -144,8 +134,3 @@ def _single(machine: Machine) -> Closed:
 def _values(track: Closed) -> dict[str, Any]:
     """Return the values of a closed track without its kind."""
     return {name: getattr(track, name) for name in Closed.model_fields if name != "kind"}
-
-
-def _beside(names: tuple[str, ...]) -> tuple[str, ...]:
-    """Return the names of one track's bodies for the right track, then for the left one."""
-    return tuple(f"{side} {name}" for side in SIDES for name in names)

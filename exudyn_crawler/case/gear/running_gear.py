@@ -1,13 +1,13 @@
 """Side frames whose wheels run on the shoes' rails; bogies or sprung arms carry some of their rollers."""
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from typing import ClassVar, Literal
 
 import numpy as np
 
 from exudyn_crawler.case.gear.arms import Arm, arm_errors
-from exudyn_crawler.case.gear.base import POSTS, SIDE_FRAME, Gear, WheelLabel, Whole
+from exudyn_crawler.case.gear.base import NOT_COMPILED, POSTS, SIDE_FRAME, Gear, WheelLabel, Whole
 from exudyn_crawler.case.gear.deflections import TYRE, LoadedContact, arm_spring
 from exudyn_crawler.case.parameters import base, sizes
 from exudyn_crawler.case.parameters.car_body import Part
@@ -100,17 +100,17 @@ class RunningGear(Gear):
     @property
     def bogie_names(self) -> tuple[str, ...]:
         """Names of the bogies, track by track, rear to front."""
-        return self._numbered("bogie", len(self.bogies))
+        return self._on_tracks(f"bogie {number}" for number in range(1, len(self.bogies) + 1))
 
     @property
     def arm_names(self) -> tuple[str, ...]:
         """Names of the arms, track by track, in the order of `arms`."""
-        return self._numbered("arm", len(self.arms))
+        return self._on_tracks(f"arm {number}" for number in range(1, len(self.arms) + 1))
 
-    def _numbered(self, part: str, count: int) -> tuple[str, ...]:
-        """Return the names of parts, `count` of them on each track."""
-        tracks = [""] if self.tracks == 1 else [f"{side} " for side in SIDES]
-        return tuple(f"{track}{part} {number}" for track in tracks for number in range(1, count + 1))
+    def _on_tracks(self, names: Iterable[str]) -> tuple[str, ...]:
+        """Return the names of one track's bodies, of two tracks with their sides, right first."""
+        of_one = tuple(names)
+        return of_one if self.tracks == 1 else tuple(f"{side} {name}" for side in SIDES for name in of_one)
 
     @property
     def wheel_labels(self) -> list[WheelLabel]:
@@ -229,8 +229,7 @@ class RunningGear(Gear):
         """Yield an error for each contradiction to the rest of the case."""
         kind = f"gear.kind {self.kind!r}"
         if not case.is_compiled:
-            refused = "contact.model 'spheres' and terrain_formulation 'constrained'"
-            yield f"formulation 'engine', {refused} do not go with {kind}"
+            yield f"formulation 'engine', {NOT_COMPILED} do not go with {kind}"
         rails = case.shoe.rails
         if rails is None:
             yield f"shoe.rails must be given with {kind}: its wheels run on them"
