@@ -319,7 +319,7 @@ def test_frame_on_arms_sinks_for_a_chain_that_is_too_short(m113, further):
     assert m113.gear.frame_start(m113)[2] - tight.gear.frame_start(tight)[2] == pytest.approx(sunk, abs=1e-12)
     lowest = [case.gear.shoe_reference(case)[:, 2].min() for case in (m113, tight)]
     assert lowest[1] == pytest.approx(lowest[0], abs=1e-12)
-    reference = tight.gear.arm_reference(tight.shoe, tight.track)
+    reference = tight.gear.arm_reference(tight)
     turns = rotation_matrices(reference[:, 3:])
     for start, turn, arm in zip(reference, turns, tight.gear.arms, strict=True):
         (x, z), roller = arm.pivot, tight.gear.rollers[arm.roller - 1]
