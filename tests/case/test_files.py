@@ -277,7 +277,7 @@ def test_a_missing_file_is_named(tmp_path):
 
 
 def test_an_existing_file_is_kept_unless_asked(tmp_path):
-    path = write_case(CaseFile(case=Case.turning()), tmp_path / "case.toml")
+    path = write_case(CaseFile(case=Case.turning()), tmp_path / "full.toml")
     with pytest.raises(FileExistsError, match=r"case\.toml exists"):
         write_case(CaseFile(case=Case.translation()), path)
     assert read_case(path).case == Case.turning()
@@ -346,7 +346,7 @@ def test_a_field_under_its_earlier_name_is_read(read, tmp_path):
     assert Case.shovel().with_({earlier: 9.5}) == wide
     assert Case.shovel().with_({earlier: 9.5, "gear.car_body.mass": wide.gear.car_body.mass}) == wide
     assert read('base = "shovel"\nduration = 1\n[gear.car_body]\ntrack_distance = "950 cm"\n').case == wide
-    path = write_case(CaseFile(case=Case.shovel(), duration=1.0), tmp_path / "case.toml")
+    path = write_case(CaseFile(case=Case.shovel(), duration=1.0), tmp_path / "full.toml")
     path.write_text(path.read_text().replace("gauge =", "track_distance ="))
     assert read_case(path, [f"{earlier}=9.5"]).case == wide
     assert saved_case(wide.model_dump_json().replace('"gauge"', '"track_distance"')) == wide
