@@ -277,7 +277,7 @@ def test_a_missing_file_is_named(tmp_path):
 
 
 def test_an_existing_file_is_kept_unless_asked(tmp_path):
-    path = write_case(CaseFile(case=Case.turning()), tmp_path / "full.toml")
+    path = write_case(CaseFile(case=Case.turning()), tmp_path / "case.toml")
     with pytest.raises(FileExistsError, match=r"case\.toml exists"):
         write_case(CaseFile(case=Case.translation()), path)
     assert read_case(path).case == Case.turning()
