@@ -100,8 +100,7 @@ def pin_work_items(
             np.nan,
             "kJ",
             formula="r (a_t (T1 + T2) + a_i (T3 + T4)), without vibration; gives ratios, no hours",
-            source="geometry of the chain; runs 3 to 4 % above with their own tensions",
-            mark="D",
+            source=Source("geometry of the chain; runs 3 to 4 % above with their own tensions", "D"),
             needs=row.missing_of_travel,
         )
 

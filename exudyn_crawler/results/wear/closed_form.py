@@ -37,8 +37,7 @@ def bends(shoes_per_turn: float, pitch: float, idler_radius: float, rise: float)
 def bends_of(case: Case) -> Bends:
     """Return the bends of the chain of a closed track."""
     closed = case.part(Closed)
-    rails = case.shoe.rails
-    assert rails is not None  # a closed track has rails
+    rails = case.shoe.roller_path
     rise = rails.height - case.track.pin_height
     pitch = closed.chain_pitch(case.track)
     return bends(closed.tumbler.shoes_per_turn, pitch, closed.idler.radius, rise)
@@ -74,7 +73,7 @@ def growth_limits(case: Case, take_up: float, makers: float | None) -> list[Grow
     """
     closed = case.part(Closed)
     now = closed.pitch_growth
-    shoes = case.track.shoe_count // case.tracks
+    shoes = case.track.shoe_count // case.gear.tracks
     pitch = case.track.pitch
     tumbler = closed.tumbler
     radius = tumbler.radius(pitch)

@@ -129,12 +129,12 @@ def _work(case: Case, dataset: xr.Dataset, radius: float, threshold: float) -> R
     weight = np.gradient(time)
     weight[[0, -1]] *= 0.5
     states = [_Block(case, part) for part in blocks(dataset)]
-    shoes = case.track.shoe_count // case.tracks
-    track = np.repeat(np.arange(case.tracks), shoes)
+    shoes = case.track.shoe_count // case.gear.tracks
+    track = np.repeat(np.arange(case.gear.tracks), shoes)
     places = states[0].pins[0, :shoes]
     at_pin = KDTree(places)
     at_shoe = KDTree(0.5 * (places + np.roll(places, 1, axis=0)))
-    sums = np.zeros((len(PAIRS), case.tracks, shoes))
+    sums = np.zeros((len(PAIRS), case.gear.tracks, shoes))
     wheels = np.zeros(dataset.sizes["wheel"])
     row = 0
     for state in states:
@@ -165,7 +165,7 @@ def _work(case: Case, dataset: xr.Dataset, radius: float, threshold: float) -> R
     ends = closed.tumbler.place[0], closed.idler.place[0] + take_up
     means = closed_form.mean_tensions(force, pins[..., 0], upper, ends, pitch)
     by_tensions = laps * closed_form.pin_work(radius, closed_form.bends_of(case), means)
-    sides = list(SIDES[: case.tracks]) if case.tracks > 1 else [""]
+    sides = list(SIDES[: case.gear.tracks]) if case.gear.tracks > 1 else [""]
     coordinates = {"pair": list(PAIRS), "track": sides}
     return RunWork(
         case,
@@ -187,7 +187,7 @@ class _Block:
         self.case = case
         self.data = data
         closed = case.part(Closed)
-        self.track = np.repeat(np.arange(case.tracks), case.track.shoe_count // case.tracks)
+        self.track = np.repeat(np.arange(case.gear.tracks), case.track.shoe_count // case.gear.tracks)
         self.turn = catalogue.rotation_matrices(self._of("angles", "shoe"))
         self.frame = catalogue.rotation_matrices(data.side_frame_angles.transpose("time", "axis").values)
         self.position = self._of("position", "shoe")
@@ -213,7 +213,7 @@ class _Block:
     @property
     def hinge(self) -> np.ndarray:
         """Angle of every hinge in the chain's plane, shoe ahead less shoe behind, (times, joints), rad."""
-        pitch = self._of("angles", "shoe")[..., 1].reshape(len(self.tumbler), self.case.tracks, -1)
+        pitch = self._of("angles", "shoe")[..., 1].reshape(len(self.tumbler), self.case.gear.tracks, -1)
         angle = np.roll(pitch, -1, axis=2) - pitch
         angle = (angle + np.pi) % (2.0 * np.pi) - np.pi
         flat: np.ndarray = angle.reshape(len(angle), -1)
@@ -226,10 +226,9 @@ class _Block:
         Shoes press on an idler in different directions: their forces add up as numbers, not as vectors.
         """
         closed = self.case.part(Closed)
-        rails = self.case.shoe.rails
-        assert rails is not None  # a closed track has rails
+        rails = self.case.shoe.roller_path
         force = np.linalg.norm(self._of("wheel_force", "wheel"), axis=2)
-        track = np.repeat(np.arange(self.case.tracks), force.shape[1] // self.case.tracks)
+        track = np.repeat(np.arange(self.case.gear.tracks), force.shape[1] // self.case.gear.tracks)
         load = np.linalg.norm(self._of("wheel_load", "shoe"), axis=2)
         take_up = self.data.take_up.values.reshape(len(force), -1)
         (x, z), radius = closed.idler.place, closed.idler.radius
