@@ -4,13 +4,15 @@ import numpy as np
 import pytest
 
 from exudyn_crawler.case.parameters import checks
+from exudyn_crawler.case.ph4100c import GRAVITY
 from exudyn_crawler.errors import EquilibriumError, ParameterError
-from exudyn_crawler.machines.datasheet import figures
+from exudyn_crawler.machines.datasheet import chain as chains, figures, plausible
 from exudyn_crawler.machines.datasheet.derive import derived
 from exudyn_crawler.machines.datasheet.sheet import Datasheet
 from tests.case.random_datasheets import drawn
 
 MOST_WORDS = 60
+MOST_TEETH = 30  # of any sprocket
 
 
 def check_sentence(error):
@@ -31,6 +33,12 @@ def case_of(seed):
         check_sentence(error)
         return None
     return case, sheet
+
+
+def odd_lines(sheet):
+    """Return the keys of a datasheet, and lines on what follows from it, that are implausible."""
+    follows = plausible.following(sheet, chains.chain_of(sheet, GRAVITY))
+    return [*(key for key, _ in plausible.odd_printed(sheet)), *plausible.odd_following(sheet, follows)]
 
 
 def check(seeds):
@@ -72,6 +80,26 @@ def test_200_machines_at_random_are_assembled_or_refused_in_a_sentence():
 
 
 @pytest.mark.slow
+def test_machines_at_random_are_odd_only_where_their_datasheets_are():
+    odd = {}
+    for seed in range(200):
+        found = case_of(seed)
+        if found is None:
+            continue
+        case, sheet = found
+        lines = [line for line in checks.implausible(case, 2.0) if "gear.tumbler.teeth" not in line]
+        assert lines == [], seed
+        if case.gear.tumbler.teeth > MOST_TEETH:
+            # gaps are not compared where the weight already is none of its kind
+            names = ("operating_weight", "sprocket_gaps that follows")
+            odd[seed] = [line for line in odd_lines(sheet) if line.startswith(names)]
+    assert odd
+    assert all(odd.values()), odd
+
+
+@pytest.mark.slow
+# of lengths that contradict each other follow more teeth than any sprocket has
+@pytest.mark.filterwarnings("ignore:gear.tumbler.teeth")
 def test_200_machines_at_random_run_for_2_s():
     from exudyn_crawler import simulate
 
