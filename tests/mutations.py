@@ -64,6 +64,7 @@ ANY = {
     "terrain.spring_stiffness": "from soil to rock; how far units sink is judged",
     "terrain.relief": "heights may be any",
     "gear.com": "the COM of a frame may be below its origin, and behind it",
+    "gear.car_body.upper_com": "a COM may be on the axis of slewing, or below the floor of the cab",
     "gear.damping_depth": "a depth over which damping fades",
     "shoe.rails.height": "rails may lie low",
     "shoe.underside_center": "an underside may be in the middle",

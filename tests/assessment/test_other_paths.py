@@ -23,6 +23,7 @@ from exudyn_crawler.assessment.settings import AssessmentSettings
 from exudyn_crawler.assessment.shoe import ShoeFatigue, ShoeStress
 from exudyn_crawler.assessment.stability import EDGES, Edges
 from exudyn_crawler.assessment.utilisation import PartStrength, PinnedHinge, RollerTread
+from exudyn_crawler.results.wear.closed_form import Bends
 
 SEEDS = (0, 1, 3)
 AROUND = np.radians(np.arange(0, 360, 5))
@@ -111,6 +112,7 @@ def random_machine(rng):
             speed=rng.uniform(0.2, 3.0),
             idler_drag=2.0 * rolling * rest,
             rises=tuple(rng.uniform(0.0, 0.5, 2)),
+            bends=Bends(2.0 * np.arcsin(1.0 / 3.0), 2.0 * np.arctan(pitch / (0.3 * gauge))),
         ),
         shoe=shoe,
         ground=inputs.GroundNumbers(
@@ -460,6 +462,7 @@ class Expected:
         self.tension = numbers.chain.rest + pull + thrown
         self.rows["chain tension"] = self.tension / 1e3, numbers.chain.breaking / 1e3
         self._pins(group)
+        self._wear(group, case)
         # ground
         self.roller = greatest_roller(numbers, case, found, self.tension)
         self._rollers(case, group, settings)
@@ -512,6 +515,19 @@ class Expected:
         self.rows["pin in its hole, contact"] = hole / 1e6, 2.5 * weaker / 1e6
         if group.name == "H":
             self.rows["bush, wear"] = force / (d * b) / 1e6, shoe.wear_pressure / 1e6
+
+    def _wear(self, group, case):
+        """Work of a pin in a lap, by the torque F r at its angle on the way around the loop."""
+        if group.name != "H" or case.drive != "straight":
+            return
+        chain, radius = self.numbers.chain, 0.5 * self.numbers.shoe.hinge.diameter
+        tumbler, idler = chain.bends
+        angle = np.concatenate(([0.0], tumbler * np.array([1.0, 0.0]), idler * np.array([1.0, 0.0])))
+        # forward the run into the tumbler is taut; in reverse the other run is, around the idler
+        for way, taut in (("forward", [True, False, False, False]), ("reverse", [False, True, True, True])):
+            force = np.where(taut, self.tension, chain.rest)
+            work = radius * np.sum(force * np.abs(np.diff(angle)))
+            self.rows[f"pin, work of wear in a lap, {way}"] = work / 1e3, np.nan
 
     def _rollers(self, case, group, settings):
         """Contact of a tread on its rail: half width, pressure, and stresses below it over depth and way."""

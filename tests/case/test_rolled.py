@@ -52,7 +52,7 @@ def test_case_file_gives_the_case_again(read, tmp_path):
         (FRAME, {"rollers": (-5.6, 0.0)}, "rollers must be within the frame"),
         (FRAME, {"ends": (5.8, -5.8)}, "ends must be rear and front end in this order"),
         (FRAME, {"tumbler": 7.0}, "tumbler must be within the frame's ends"),
-        (FRAME, {"inertia": (1.0, 1.0, 10.0, 0.0, 0.0, 0.0)}, "inertia: must be that of a body"),
+        (FRAME, {"inertia": (1.0, 1.0, 10.0, 0.0, 0.0, 0.0)}, "inertia: must be the inertia of a body"),
         (FRAME, {"rollers": (0.0,)}, "at least 2"),
         (ROLLED, {"shoe": Shoe.ph4100c()}, "shoe.rails must be given"),
         (ROLLED, {"formulation": "engine"}, "formulation 'engine'"),

@@ -5,8 +5,8 @@ import pandas as pd
 import pytest
 
 from exudyn_crawler import Case, History, simulate
-from exudyn_crawler.case import statics
 from exudyn_crawler.case.parameters.contact import SphereContact as Spheres
+from exudyn_crawler.case.statics import mean_load, settled_penetration
 from exudyn_crawler.engine.rest import RESIDUAL
 from exudyn_crawler.engine.system import ExudynSystem
 from exudyn_crawler.errors import EquilibriumError, SimulationStopped
@@ -25,7 +25,7 @@ SPHERES = Spheres.oil_sand()
 CASE = Case.translation().with_(contact=SPHERES)
 TURNING = Case.turning().with_(contact=SPHERES)
 EVEN = plain(CASE).with_(contact=SPHERES)
-WEIGHT = CASE.track.shoe_count * statics.mean_load(CASE)
+WEIGHT = CASE.track.shoe_count * mean_load(CASE)
 
 
 @pytest.fixture(scope="module")
@@ -111,7 +111,7 @@ def test_centres_below_a_face_are_found(rest):
     contact = ground_contact(EVEN)
     assert contact.sunken(rest) == []
     lower = rest.copy()
-    height = SPHERES.radius - statics.settled_penetration(CASE)
+    height = SPHERES.radius - settled_penetration(CASE)
     lower[6 * 3 + 2] -= 0.9 * height
     assert contact.sunken(lower) == []
     lower[6 * 3 + 2] -= 0.2 * height

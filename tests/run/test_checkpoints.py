@@ -126,7 +126,7 @@ def copied(three_stages, tmp_path):
 
 @pytest.mark.filterwarnings("ignore::exudyn_crawler.errors.ImplausibleWarning")
 def test_checkpoints_of_other_parameters_are_refused(copied):
-    with pytest.raises(ValueError, match="other parameters"):
+    with pytest.raises(ValueError, match="belongs to another case"):
         simulate(staged().with_(gravity=9.0), 2 * INTERVAL, checkpoints=Checkpoints(copied))
 
 

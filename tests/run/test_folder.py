@@ -181,7 +181,7 @@ def test_a_run_follows_no_link_out_of_its_folder(tmp_path, name):
     out.mkdir()
     (out / name).symlink_to(other / "stage_0000.npz" if name == "run.log" else other)
     for overwrite in (False, True):
-        with pytest.raises(FileExistsError, match=f"{name}must not be a link, .* to .*other"):
+        with pytest.raises(FileExistsError, match=f"{name} must not be a link, .* to .*other"):
             run_case(SHORT, out, overwrite=overwrite)
     assert contents(other) == {"stage_0000.npz": b"mine"}
 

@@ -130,8 +130,8 @@ def test_what_the_page_says_of_pulls_follows_from_its_table():
         "LETE sand": "of the pull; {} kN on LETE sand",
         SOFT: "{} kN at the soft end of oil sand",
         again: "resistance is {} kN in place of 52",
-        f"{SOFT}, {AGAIN}": "and {} in place of 145",
-        back: "work is lost, takes {} kN",
+        f"{SOFT}, {AGAIN}": "At the soft end of oil sand it is {} kN in place of 145",
+        back: "tenth of the work is lost, takes {} kN",
         f"{SOFT}, springs back": "At the soft end it takes {} kN in place of 145",
     }.items():
         beyond = pulls[name] - resistance

@@ -61,6 +61,8 @@ class Standing(NamedTuple):
         )
 
     def _chains(self) -> Iterator[str]:
+        if not self.chains:
+            return
         gear = self.case.part(Closed)
         weight = sum(part.mass for part in gear.frame_parts) * self.case.gravity / gear.tracks
         for chain in self.chains:

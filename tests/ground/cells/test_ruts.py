@@ -65,15 +65,15 @@ def test_ruts_of_another_ground_are_refused_in_a_line_before_anything_is_written
             {"terrain.relief": ridge, "terrain.cell": 0.05},
             "is the history of a ground with another cell and relief",
         ),
-        ({"terrain.ruts": altered}, "altered.nc has no ground of cells"),
-        ({"terrain.ruts": tmp_path / "none.nc"}, "none.nc has no ground of cells"),
+        ({"terrain.ruts": altered}, "altered.nc holds no ground of cells"),
+        ({"terrain.ruts": tmp_path / "none.nc"}, "none.nc holds no ground of cells"),
     ):
         case = history.case.with_({"terrain.ruts": path} | changes)
         with pytest.raises(ValueError, match=f"terrain.ruts: .*{told}") as error:
             run_case(CaseFile(case=case, duration=DURATION), tmp_path / "out", progress=False)
         assert "\n" not in str(error.value)
     assert not (tmp_path / "out").exists()
-    with pytest.raises(ValueError, match=r"none\.nc has no ground of cells"):
+    with pytest.raises(ValueError, match=r"none\.nc holds no ground of cells"):
         simulate(case, DURATION, False)
 
 
