@@ -27,6 +27,8 @@ THEIRS = {*sys.stdlib_module_names, *sys.builtin_module_names, "llvmlite", "numb
 """Top modules whose changes make no compiled code stale: numba checks its own version."""
 CONSTANTS = (bool, int, float, complex, str, bytes, tuple, type(None), np.generic, np.ndarray)
 """Types of values that compiled code takes as they are."""
+COUNTS = {"_nrt": True} if hasattr(getattr(numba.core.options, "DefaultOptions", None), "_nrt") else {}
+"""Option, private to numba, that a function counts references to arrays whatever its first caller does."""
 
 
 def compiler(*parts: Any, **options: Any) -> Callable[[Callable], Any]:
@@ -39,8 +41,7 @@ def compiler(*parts: Any, **options: Any) -> Callable[[Callable], Any]:
     options :
         Options of `numba.njit`.
     """
-    # without this option a function takes the reference counting of its first caller
-    options = {"_nrt": True} | options
+    options = COUNTS | options
 
     def compiled(function: Callable) -> Any:
         dispatcher = njit(cache=True, **options)(function)
@@ -49,9 +50,9 @@ def compiler(*parts: Any, **options: Any) -> Callable[[Callable], Any]:
         # numba has no public way to add sources
         cached: Any = getattr(dispatcher, "_cache", None)
         file: Any = getattr(cached, "_cache_file", None)
-        kind: type = type(file)
+        classes: tuple[type, type] = type(cached), type(file)
         compile_now = interrupts_wait()(dispatcher.compile)
-        if not _compares_stamps(kind):
+        if not _compares_stamps(*classes):
             dispatcher = njit(**options)(function)
             dispatcher.compile = interrupts_wait()(dispatcher.compile)
             return dispatcher
@@ -182,8 +183,8 @@ def _add_stamp(file: Any, stamp: str) -> None:
 
 
 @cache
-def _compares_stamps(kind: type) -> bool:
-    """Return True if numba's class of cache files notices another stamp of `_add_stamp`.
+def _compares_stamps(cache_class: type, kind: type) -> bool:
+    """Return True if numba's class of cache files, used by its cache, notices another stamp of `_add_stamp`.
 
     Warns
     -----
@@ -197,6 +198,7 @@ def _compares_stamps(kind: type) -> bool:
             _add_stamp(after, "after")
             before.save("key", "code")
             works = before.load("key") == "code" and after.load("key") is None
+            works = works and hasattr(cache_class, "save_overload") and hasattr(cache_class, "flush")
     except OSError:
         works = True  # a full disk says nothing about numba
     except Exception:

@@ -9,13 +9,15 @@ Every literal integer among a call's arguments compiles a function once more. Co
 therefore start as ``np.int64(0)``.
 """
 
+import warnings
 from collections.abc import Callable
-from functools import update_wrapper
+from functools import cache, cached_property, update_wrapper
 from typing import Any
 
-from numba import njit, types
+import numba
+from numba import njit, typeof, types
+from numba.extending import typeof_impl
 
-from exudyn_crawler.ground.linking import LinkedCompiler
 from fem.compiling import compiler
 
 kernel = compiler(error_model="numpy")
@@ -26,22 +28,64 @@ inlined = compiler(error_model="numpy", inline="always")
 callers."""
 
 
+@cache
+def internals_work() -> bool:
+    """Return True if numba's internals do what `linking` and `blocks` need.
+
+    Without them functions are compiled by plain `numba.njit`, with the same results.
+
+    Warns
+    -----
+    RuntimeWarning
+        If they do not, once in a process.
+    """
+    try:
+        from exudyn_crawler.ground import trial
+
+        work = trial.passes()
+    except Exception:  # a later numba may lack a name, or fail in any other way
+        work = False
+    if not work:
+        warnings.warn(
+            f"numba {numba.__version__} has other internals than expected: results stay the same, but the "
+            f"first run compiles minutes longer, and all runs are slower; a numba in the range of this "
+            f"package's requirements avoids this",
+            RuntimeWarning,
+            stacklevel=2,
+        )
+    return work
+
+
 class CompiledOnly:
     """Function for compiled callers, which find its dispatcher; a call from Python is an error."""
 
-    def __init__(self, dispatcher: Any) -> None:
-        update_wrapper(self, dispatcher.py_func)
-        self.py_func = dispatcher.py_func
-        self.targetoptions = dispatcher.targetoptions
-        self._dispatcher = dispatcher
+    def __init__(self, function: Callable, allocates: bool, merged: bool) -> None:
+        update_wrapper(self, function)
+        self.py_func = function
+        self._options = {"allocates": allocates, "merged": merged}
+
+    @cached_property
+    def dispatcher(self) -> Any:
+        """Dispatcher of numba; made when a caller is compiled or loaded, since the trial of it takes time."""
+        if not internals_work():
+            return njit(error_model="numpy")(self.py_func)
+        from exudyn_crawler.ground.linking import linked
+
+        return linked(self.py_func, **self._options)
 
     @property
-    def _numba_type_(self) -> types.Dispatcher:
-        return self._dispatcher._numba_type_
+    def targetoptions(self) -> dict[str, Any]:
+        """Options of the compiler."""
+        return self.dispatcher.targetoptions
 
     def __call__(self, *arguments: Any, **named: Any) -> Any:
         """Raise `TypeError`: without the wrapper for Python a call would end the process."""
         raise TypeError(f"{self.py_func.__name__} is for compiled callers alone; Python calls a kernel")
+
+
+@typeof_impl.register(CompiledOnly)
+def _type_of(function: CompiledOnly, _context: Any) -> types.Type:
+    return typeof(function.dispatcher)
 
 
 def inner(function: Callable | None = None, *, allocates: bool = False, merged: bool = False) -> Any:
@@ -53,8 +97,6 @@ def inner(function: Callable | None = None, *, allocates: bool = False, merged: 
     """
 
     def compile_inner(function: Callable) -> CompiledOnly:
-        ways_in = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
-        options = {"error_model": "numpy", "_nrt": allocates, "forceinline": merged}
-        return CompiledOnly(njit(pipeline_class=LinkedCompiler, **ways_in, **options)(function))
+        return CompiledOnly(function, allocates, merged)
 
     return compile_inner if function is None else compile_inner(function)

@@ -1,12 +1,14 @@
 """Compile functions as parts of their callers: types and code are found once, machine code within a kernel.
 
 numba optimizes a function with all its callees and makes machine code of it before the caller takes the same
-code again. A function five calls deep would be optimized five times.
+code again. A function five calls deep would be optimized five times. numba has no public means for this;
+`trial` tries those that are used here.
 """
 
+from collections.abc import Callable
 from typing import Any
 
-from numba import _dynfunc
+from numba import _dynfunc, njit
 from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler import CompilerBase, DefaultPassBuilder
 from numba.core.compiler_machinery import LoweringPass, PassManager, register_pass
@@ -54,3 +56,10 @@ class LinkedCompiler(CompilerBase):
         passes.add_pass_after(_Offer, NativeLowering)
         passes.finalize()
         return [passes]
+
+
+def linked(function: Callable, allocates: bool, merged: bool) -> Any:
+    """Compile a function for compiled callers alone; the options are those of `compiled.inner`."""
+    ways_in = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+    options = {"error_model": "numpy", "_nrt": allocates, "forceinline": merged}
+    return njit(pipeline_class=LinkedCompiler, **ways_in, **options)(function)

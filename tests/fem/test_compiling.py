@@ -58,6 +58,10 @@ FunctionCache.__getattribute__ = lambda self, name: (
     None if name == "_cache_file" else object.__getattribute__(self, name)
 )
 """,
+    "the cache saves otherwise": """
+from numba.core.caching import Cache, _Cache
+del Cache.save_overload, _Cache.save_overload
+""",
 }
 """What a later numba might do."""
 FULL_DISK = """

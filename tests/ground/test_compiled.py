@@ -55,7 +55,7 @@ def new_row(count: int) -> float:
 
 def code_of(function, *arguments):
     """Code that the compiler makes of a function for types of arguments."""
-    dispatcher = getattr(function, "_dispatcher", function)
+    dispatcher = getattr(function, "dispatcher", function)
     dispatcher.compile(arguments)
     # code that comes from a cache cannot be looked at
     dispatcher.recompile()
@@ -85,7 +85,7 @@ def test_a_compiled_function_is_not_stale_by_a_change_of_files_that_it_does_not_
         "bodies.py",
         "wheels.py",
         "overlap.py",
-        "packed.py",
+        "blocks.py",
         "rectangle_motion.py",
     } <= files
     assert not {"build.py", "compiled_system.py", "case.py"} & files
@@ -100,7 +100,7 @@ def test_there_is_no_way_into_what_python_may_not_call():
 def test_machine_code_is_made_of_kernels_alone():
     """A later numba that makes it of the others, too, takes a fifth longer to compile."""
     once_more(3.0)
-    (linked,) = _twice._dispatcher.overloads.values()
+    (linked,) = _twice.dispatcher.overloads.values()
     assert isinstance(linked.library, LinkedCode)
     engine = linked.library.codegen._engine
     assert not engine.is_symbol_defined(linked.fndesc.mangled_name)
