@@ -10,6 +10,7 @@ from exudyn_crawler.case import Drive
 from exudyn_crawler.case.gear.closed_frame import LEAST_SAG, MAKERS_SAG
 from exudyn_crawler.errors import EquilibriumError
 from exudyn_crawler.ground.cells.laws.bekker import BekkerSoil
+from exudyn_crawler.ground.rotations import rotation_matrices
 from exudyn_crawler.machines import read_case
 from exudyn_crawler.machines.datasheet.derive import derived
 from exudyn_crawler.machines.datasheet.library import machines
@@ -236,3 +237,28 @@ def test_a_vehicle_on_fixed_wheels_takes_its_sag():
     track = adjusted_track(rigid)
     (chain,) = chains_at_rest(tensioned(track))
     assert chain.sag == pytest.approx(track.gear.wanted_sag, rel=3e-3)
+
+
+@pytest.mark.parametrize(
+    "growth", [0.01, pytest.param(0.02, marks=pytest.mark.slow), pytest.param(0.03, marks=pytest.mark.slow)]
+)
+def test_worn_chains_on_a_half_pitch_sprocket_find_their_sag(growth):
+    """The idler follows the growth: N p / 2 for 1, less at most what the arc on the tumbler takes of it."""
+    new = with_idler(adjusted_track(read_case(machines()["pc300lc"]).case), range=(-0.02, 0.3))
+    worn = tensioned(new.with_({"gear.pitch_growth": growth}))
+    track, tumbler = worn.track, worn.gear.tumbler
+    chain = 0.5 * track.shoe_count * track.pitch
+    radius = tumbler.radius(track.pitch)
+    followed = (worn.gear.idler.take_up - tensioned(new).gear.idler.take_up) / growth
+    assert chain - 0.5 * math.pi * radius < followed < chain
+    (hanging,) = chains_at_rest(worn)
+    assert hanging.sag == pytest.approx(worn.gear.wanted_sag, rel=2e-3)
+    # the highest bushes stand at the radius of their own pitch
+    rest_of_it = history_at_rest(worn).dataset.isel(time=0)
+    turn = rotation_matrices(rest_of_it.angles.transpose("shoe", "axis").values)
+    lug = np.array(worn.gear.lugs(track)[0][1]) * [1.0, 0.0, 1.0]
+    place = rest_of_it.position.transpose("shoe", "axis").values + turn @ lug
+    apart = np.linalg.norm((place - rest_of_it.tumbler_position.values)[:, [0, 2]], axis=1)
+    force = np.linalg.norm(rest_of_it.tooth_force.transpose("shoe", "axis").values, axis=1)
+    highest = apart[force > 0.1 * force.max()].max()
+    assert highest - radius == pytest.approx(growth * radius, rel=0.1)

@@ -103,6 +103,16 @@ class _Loop(NamedTuple):
         ends = [self.circles(0.0)[end][1] - self._lift(end) for end in (0, 3)]
         return max(0.0, min(*lifts, *ends))
 
+    @property
+    def _climbed(self) -> float:
+        """Radius of the pins on the tumbler over that of a new chain.
+
+        Bushes of a worn chain climb teeth without play to at most the radius R (1 + g) of their own pitch.
+        Those that carry little lie lower, so that the start takes the mean of both radii.
+        """
+        growth = self.pitch / self.new_pitch - 1.0
+        return 1.0 + 0.5 * growth if self.closed.tumbler.depth is None else 1.0
+
     def circles(self, take_up: float, sunk: float = 0.0) -> list[assembly.Circle]:
         """Return the circles of the pins about the wheels, for a sinkage (m) of the frame on its arms."""
         closed = self.closed
@@ -110,7 +120,7 @@ class _Loop(NamedTuple):
         (x, z), on_idler = closed.idler_circle(take_up, self.rise, self.pitch)
         rollers = closed.roller_radius + self.rise
         carriers = closed.carrier_radius + self.rise
-        wheels = [(*closed.tumbler.place, closed.tumbler.radius(self.new_pitch))]
+        wheels = [(*closed.tumbler.place, closed.tumbler.radius(self.new_pitch) * self._climbed)]
         ways = dict.fromkeys(range(len(closed.rollers)), 0.0)
         if sunk:
             lifted = zip(closed.arms, closed.arms_lifted(sunk)[:, 0].tolist(), strict=True)
