@@ -44,7 +44,7 @@ def bends_of(case: Case) -> Bends:
 
 
 def pin_work(radius: float, angles: Bends, tensions: WheelTensions) -> float:
-    """Return the work F r |theta| of a pin in a lap, J: r [a_t (T1 + T2) + a_i (T3 + T4)].
+    """Return the work F r abs(theta) of a pin in a lap, J: r [a_t (T1 + T2) + a_i (T3 + T4)].
 
     Neighbouring shoes turn by the bend as they come on to a wheel, under the tension there, and back as they
     leave it. `radius` of the pin is in m.

@@ -42,7 +42,8 @@ def sweep_work(angle: np.ndarray, force: np.ndarray, radius: float, threshold: f
     """Return force x radius x turned angle of sweeps: array (times - 1, items), J.
 
     `angle` (rad) and `force` (N) are (times, items), `radius` is in m. The sum over the steps of a sweep is
-    its work; small reversals within it count back. A threshold of 0 gives the raw integral of F r |d theta|.
+    its work; small reversals within it count back. A threshold of 0 gives the raw integral of force times
+    radius times turned angle.
     """
     turned = np.diff(angle, axis=0)
     signs = np.sign(turned) if threshold == 0.0 else sweep_signs(angle, threshold)
