@@ -184,8 +184,8 @@ def test_long_tables_are_left_to_the_plots(history, tmp_path):
 
 def test_the_case_is_listed_with_units(stress_page):
     for row in (
-        ("shoe.mass", f"{STRESS_SHOE_MASS} kg", "mass"),
-        ("flexible.youngs_modulus", "200 GPa", "E"),
+        ("shoe.mass", f"{STRESS_SHOE_MASS} kg", "mass of a shoe"),
+        ("flexible.youngs_modulus", "200 GPa", "Young&#39;s modulus E"),
         ("flexible.shoes", "7, 13", "numbers of the flexible shoes"),
         ("loads.phases[0].loads", "13 x 386.4 kN", "downward loads on shoes 1 to n at the phase&#39;s end"),
     ):
