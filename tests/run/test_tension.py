@@ -252,7 +252,7 @@ def test_worn_chains_on_a_half_pitch_sprocket_find_their_sag(growth):
     followed = (worn.gear.idler.take_up - tensioned(new).gear.idler.take_up) / growth
     assert chain - 0.5 * math.pi * radius < followed < chain
     (hanging,) = chains_at_rest(worn)
-    assert hanging.sag == pytest.approx(worn.gear.wanted_sag, rel=2e-3)
+    assert hanging.sag == pytest.approx(new.gear.wanted_sag, rel=2e-3)
     # the highest bushes stand at the radius of their own pitch
     rest_of_it = history_at_rest(worn).dataset.isel(time=0)
     turn = rotation_matrices(rest_of_it.angles.transpose("shoe", "axis").values)
