@@ -22,7 +22,8 @@ def folder(tmp_path_factory):
     line = [sys.executable, "-m", "studies", "kinematics", "--case", "translation", "--duration", "0.05"]
     done = subprocess.run([*line, "--out", out], capture_output=True, text=True, timeout=300, check=False)
     assert done.returncode == 0, done.stderr
-    assert done.stderr == ""  # the progress bar is for terminals
+    # the progress bar is for terminals; on a busy machine lines tell every ten seconds what goes on
+    assert all(" s so far, " in line for line in done.stderr.splitlines()), done.stderr
     assert "Kinematics, translation: paper against computed" in done.stdout
     assert str(out) in done.stdout
     return out
