@@ -66,7 +66,7 @@ class GrowthLimit(NamedTuple):
     how: str
 
 
-def growth_limits(case: Case, take_up: float, makers: float | None) -> list[GrowthLimit]:
+def growth_limits(case: Case, take_up: float, makers: float) -> list[GrowthLimit]:
     """Return the limits of the growth of a chain's pitch, the least first.
 
     `take_up` (m) is that of the chain now, `makers` the growth at which pins and bushes are turned.
@@ -91,9 +91,8 @@ def growth_limits(case: Case, take_up: float, makers: float | None) -> list[Grow
             f"bushes stand R g higher, tips {1e3 * reach:.2f} mm above the pins' circle of "
             f"{1e3 * radius:.1f} mm; geometry, teeth without play",
         ),
+        GrowthLimit("pins and bushes to be turned", makers, "limit of the wear file"),
     ]
-    if makers is not None:
-        limits.append(GrowthLimit("pins and bushes to be turned", makers, "limit of the wear file"))
     return sorted(limits, key=lambda limit: limit.growth)
 
 
