@@ -8,7 +8,7 @@ import pandas as pd
 import xarray as xr
 
 from exudyn_crawler import files
-from exudyn_crawler.case import Case
+from exudyn_crawler.case import Case, FlexibleShoes
 from exudyn_crawler.case.parameters import checks
 from exudyn_crawler.results.checks import cases, roller_path, solve
 from exudyn_crawler.results.checks.checked_shoe import CheckedShoe
@@ -124,7 +124,11 @@ def stage_lives(duty: Duty, say: Callable[[str], None] = lambda _text: None) -> 
     with progress.heartbeat(f"life of {duty.name}"):
         for stage, histories in inputs:
             names = duty_runs.check_cases_of(stage)
-            shapes = solve.case_shapes(_check_of(stage), names, say) if names else None
+            check = _check_of(stage)
+            if histories:
+                # cases are solved with the pins of the runs
+                check = check.with_(pins=histories[0].case.part(FlexibleShoes).pins)
+            shapes = solve.case_shapes(check, names, say) if names else None
             spreads = [_spread(run, history.case) for run, history in zip(stage.runs, histories, strict=True)]
             lives.append(results.life_of(stage, histories, say, spreads, shapes))
     return lives

@@ -13,7 +13,7 @@ import tomlkit
 import fem
 from exudyn_crawler import files
 from exudyn_crawler.case import Case, FlexibleShoes, LoadCycle, Shoe, Track, ph4100c
-from exudyn_crawler.case.parameters.track import STEEL_DENSITY
+from exudyn_crawler.case.parameters.track import COUPLING, STEEL_DENSITY
 from exudyn_crawler.machines import CaseFile, read_case
 from exudyn_crawler.machines.case_file import case_text
 from exudyn_crawler.machines.datasheet import shoe_mesh as datasheet_meshes
@@ -142,7 +142,7 @@ def _case_file(recognized: RecognizedShoe, mesh: fem.Mesh, shoe: Shoe, name: str
     # the weight is the same on tips of grousers as on the plate
     load = GROUND_PRESSURE * track.pitch * float(np.ptp(mesh.nodes[:, 1]))
     flexible = FlexibleShoes.ph4100c(f"{name}.msh.gz").with_(
-        shoes=(MIDDLE_SHOE,), density=STEEL_DENSITY, static_fields=_covers_its_rectangle(mesh)
+        shoes=(MIDDLE_SHOE,), pins=COUPLING, density=STEEL_DENSITY, static_fields=_covers_its_rectangle(mesh)
     )
     if "whole top" not in mesh.surfaces:
         flexible = flexible.with_(load_surface="underside")

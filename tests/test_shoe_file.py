@@ -388,7 +388,9 @@ def test_a_place_in_a_spider_is_named_behind_the_first_that_may_be_used():
     found = peak_spots(by_shoe)
     assert [(words, shoe, spot["value"].iloc[0]) for words, (shoe, spot) in found.items()] == [
         ("peak stress", 8, 6.0),
-        ("higher beside a rigid pin, not to be used", 7, 9.0),
+        ("higher beside a pin coupling, not to be used", 7, 9.0),
     ]
     assert list(peak_spots({7: spots((9.0, ""), (5.0, "in spider"))})) == ["peak stress"]
-    assert list(peak_spots({7: spots((9.0, "in spider"))})) == ["higher beside a rigid pin, not to be used"]
+    assert list(peak_spots({7: spots((9.0, "in spider"))})) == [
+        "higher beside a pin coupling, not to be used"
+    ]

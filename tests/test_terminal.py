@@ -30,7 +30,7 @@ LIFE = pd.DataFrame(
         "life in h that 90 % survive": [3.009e5, 412.7],
         "life in h at least": [3.009e5, 0.04392],
         "life in h at most": [float("inf"), 4321.7],
-        "verdict": ["beside a rigid pin coupling: do not use", "good to 15 %"],
+        "verdict": ["beside a pin coupling: do not use", "good to 15 %"],
         "worst place": [5, 6],
         "life in h there": [0.07561, 2.0e9],
         "main part": ["propel: constant", "digging: crowd"],

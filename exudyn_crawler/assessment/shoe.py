@@ -8,6 +8,7 @@ import numpy as np
 from exudyn_crawler.assessment.settings import AssessmentSettings
 from exudyn_crawler.assessment.states import CaseLoads
 from exudyn_crawler.case import Case
+from exudyn_crawler.case.parameters.track import COUPLING
 from exudyn_crawler.results.checks import cases as ready, solve
 from exudyn_crawler.results.checks.checked_shoe import CheckedShoe
 from exudyn_crawler.results.life.duty import UNLOADED
@@ -51,9 +52,11 @@ def check_of(case: Case, settings: AssessmentSettings, ready_shoe: bool) -> read
         return None
     gear: Any = case.gear
     mesh = settings.mesh if ready_shoe or case.flexible is None else case.flexible.mesh
+    pins = COUPLING if ready_shoe or case.flexible is None else case.flexible.pins
     return ready.ShoeCheck(
         name="shoe of the assessment",
         mesh=str(mesh),
+        pins=pins,
         material=settings.material,
         track=None if ready_shoe else case.gear.loop(case.track),
         roller_radius=gear.roller_radius,

@@ -285,6 +285,7 @@ DAMPING_FREQUENCIES, DAMPING_RATIOS = (1000.0, 10000.0), (0.005, 1.0)
 FLEXIBLE_SHOES: Mapping[str, Any] = {
     "shoes": (6, 7, 8, 11, 12, 13),  # middle and front
     "youngs_modulus": 200e9,  # Pa
+    "pins": "rigid",  # RBE2, as in the paper's reduction
     "poissons_ratio": 0.3,
     "density": 7847.25,  # kg/m3
     "fixed_modes": 12,  # answer dynamically. Chosen here: the 12th is the last that moves the drive's node

@@ -73,8 +73,14 @@ def write_case(
 
 
 def saved_case(text: str | bytes) -> Case:
-    """Return the case from the JSON in a history or a checkpoint; raise `ValueError` for other content."""
-    return Case(**json.loads(text))
+    """Return the case from the JSON in a history or a checkpoint; raise `ValueError` for other content.
+
+    A case of an earlier version, without the coupling of its pins, had rigid ones.
+    """
+    content = json.loads(text)
+    if isinstance(content, dict) and isinstance(content.get("flexible"), dict):
+        content["flexible"].setdefault("pins", "rigid")
+    return Case(**content)
 
 
 def _change(text: str) -> tuple[str, fields.KeyPath, Any]:

@@ -10,6 +10,7 @@ import numpy as np
 
 import fem
 from exudyn_crawler.case import Case, FlexibleShoes, Track
+from exudyn_crawler.case.parameters.track import PinCoupling
 from exudyn_crawler.model import reductions, shoe_mesh
 from fem.body.rectangle_motion import Underside, integrate_underside
 from meshes import mesh_named
@@ -42,7 +43,7 @@ def _material(flexible: FlexibleShoes) -> fem.Material:
 
 @lru_cache(maxsize=4)
 def _finite_elements(
-    mesh_name: str, material: fem.Material, track: Track
+    mesh_name: str, material: fem.Material, track: Track, pins: PinCoupling
 ) -> tuple[fem.ElasticBody, list[fem.Interface]]:
     mesh = mesh_named(mesh_name)
     if mesh.order == 1:
@@ -50,7 +51,7 @@ def _finite_elements(
             f"the mesh {mesh_name!r} must have tetrahedra with 10 nodes, got linear ones with 4, which are "
             "too stiff in bending; mesh it with elements of second order (gmsh -order 2)"
         )
-    return fem.ElasticBody(mesh, material), shoe_mesh.pin_interfaces(mesh, mesh_name, track)
+    return fem.ElasticBody(mesh, material), shoe_mesh.pin_interfaces(mesh, mesh_name, track, pins)
 
 
 def shoe_model(flexible: FlexibleShoes, track: Track) -> tuple[fem.ElasticBody, list[fem.Interface]]:
@@ -59,7 +60,7 @@ def shoe_model(flexible: FlexibleShoes, track: Track) -> tuple[fem.ElasticBody, 
     Raises `ValueError` if the mesh has linear elements, no bores at the track's pins, no underside or no
     surface for the load.
     """
-    body, interfaces = _finite_elements(flexible.mesh, _material(flexible), track)
+    body, interfaces = _finite_elements(flexible.mesh, _material(flexible), track, flexible.pins)
     check_surfaces(body.mesh, flexible.load_surface, flexible.mesh)
     return body, interfaces
 
@@ -98,11 +99,12 @@ def _reduction(
     mesh: str,
     material: fem.Material,
     track: Track,
+    pins: PinCoupling,
     fixed_modes: int,
     load_surface: str | None,
     node: int | None,
 ) -> fem.CachedReduction:
-    body, interfaces = _finite_elements(mesh, material, track)
+    body, interfaces = _finite_elements(mesh, material, track, pins)
     loads = {}
     if load_surface is not None:
         loads[MACHINE_LOAD] = body.surface_load(load_surface, np.array([0.0, 0.0, -1.0]))
@@ -135,7 +137,15 @@ def whole_reduction(case: Case) -> fem.CachedReduction:
     body, _ = shoe_model(flexible, case.track)
     loaded = flexible.load_surface if flexible.load_mode else None
     node = shoe_mesh.pulled_node(case, body.mesh)
-    return _reduction(flexible.mesh, _material(flexible), case.track, flexible.recovered_modes, loaded, node)
+    return _reduction(
+        flexible.mesh,
+        _material(flexible),
+        case.track,
+        flexible.pins,
+        flexible.recovered_modes,
+        loaded,
+        node,
+    )
 
 
 @lru_cache(maxsize=4)

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from exudyn_crawler.case import Case, Rails, RunningGear, Shoe, Track
+from exudyn_crawler.case.parameters.track import COUPLING, PinCoupling
 from exudyn_crawler.ground.rotations import rotation_matrices
 from fem import Interface, Mesh, ReducedBody
 from meshes.checks import check_extent, named_surfaces
@@ -22,8 +23,8 @@ all shoes are in contact."""
 EDGES = ["rear", "front", "right", "left", "height"]
 
 
-def pin_interfaces(mesh: Mesh, name: str, track: Track) -> list[Interface]:
-    """Return interfaces of a shoe at the joint centres of its track, each coupled to its bore.
+def pin_interfaces(mesh: Mesh, name: str, track: Track, pins: PinCoupling = COUPLING) -> list[Interface]:
+    """Return interfaces of a shoe at the joint centres of its track, each coupled to its bore by `pins`.
 
     Raises `ValueError`, with this name of the mesh, if the mesh is in other units or has no bore at a pin.
     """
@@ -48,7 +49,7 @@ def pin_interfaces(mesh: Mesh, name: str, track: Track) -> list[Interface]:
         # a bore that is parted in the middle has nodes on both sides of the cut
         nodes = nodes[~taken[nodes]]
         taken[nodes] = True
-        interfaces.append(Interface(joint, center, nodes))
+        interfaces.append(Interface(joint, center, nodes, pins))
     return interfaces
 
 

@@ -153,6 +153,16 @@ def center_loads(interfaces: Sequence[Interface], forces: Mapping[str, ArrayLike
     return loads.reshape(-1, 1)
 
 
+def spread_loads(mesh: Mesh, interfaces: Sequence[Interface], center_loads: Floats) -> Floats:
+    """Return the nodal forces (n, 3), N, as which averaging spiders spread loads (i, 6) on their centres."""
+    forces = np.zeros_like(mesh.nodes)
+    for interface, load in zip(interfaces, center_loads, strict=True):
+        positions = mesh.nodes[interface.nodes]
+        rows = averaging_rows(positions, np.ones(len(positions)), interface.center)
+        forces[interface.nodes] += (load @ rows).reshape(-1, 3)
+    return forces
+
+
 def rigid_motion_of_centers(interfaces: Sequence[Interface], origin: Floats) -> Floats:
     """Return the joint centres' motions (6 i, 6) in rigid motions of the body; `origin` is the pivot."""
     motion = np.zeros((len(interfaces), 6, 6))

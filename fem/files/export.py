@@ -10,7 +10,7 @@ import numpy as np
 from fem.body.elastic_body import ElasticBody
 from fem.body.elasticity import Material
 from fem.body.element_stress import von_mises
-from fem.body.interfaces import Interface, rigid_motion_of_centers
+from fem.body.interfaces import Interface, rigid_motion_of_centers, spread_loads
 from fem.body.mesh import Floats, Integers, Mesh
 from fem.body.reduced import ReducedBody
 from fem.body.shapes import Shapes
@@ -112,7 +112,8 @@ def write_load_deck(
 ) -> None:
     """Write a static step of a free body under balanced loads, in SI units; nodes and elements count from 1.
 
-    The nodes of every interface are a rigid body; its reference node at the centre takes force and moment.
+    The nodes of a rigid interface are a rigid body; its reference node at the centre takes force and moment.
+    Loads on other interfaces are forces on their nodes, as an averaging spider spreads them.
     Six degrees of freedom away from the interfaces hold the body; their reactions are zero.
 
     Parameters
@@ -121,7 +122,7 @@ def write_load_deck(
         File to write (`.inp`).
     body : ElasticBody
     interfaces : sequence of Interface
-        Rigid spiders; i of them.
+        i of them.
     forces : array (n, 3)
         Nodal forces in N.
     center_loads : array (i, 6)
@@ -134,15 +135,16 @@ def write_load_deck(
     Raises
     ------
     ValueError
-        If the loads are not in balance, a spider is not rigid or the program is unknown.
+        If the loads are not in balance or the program is unknown.
     """
     if program not in PROGRAMS:
         raise ValueError(f"program must be one of {PROGRAMS}, got {program!r}")
-    soft = [interface.name for interface in interfaces if interface.spider != "rigid"]
-    if soft:
-        raise ValueError(f"interfaces must have rigid spiders, got others for {soft}")
     _check_balance(body, interfaces, forces, center_loads)
     mesh = body.mesh
+    stiff = np.array([interface.spider == "rigid" for interface in interfaces])
+    forces = forces + spread_loads(mesh, interfaces, np.where(stiff[:, None], 0.0, center_loads))
+    interfaces = [interface for interface in interfaces if interface.spider == "rigid"]
+    center_loads = center_loads[stiff]
     count = len(interfaces)
     n = len(mesh.nodes)
     centers = np.array([interface.center for interface in interfaces]).reshape(-1, 3)
@@ -157,7 +159,8 @@ def write_load_deck(
         tied = f"NSET={name}" if turned else f"TIE NSET={name}"
         turn = f", ROT NODE={n + count + row + 1}" if turned else ""
         lines.append(f"*RIGID BODY, {tied}, REF NODE={n + row + 1}{turn}")
-    away = np.setdiff1d(np.arange(n), np.concatenate([interface.nodes for interface in interfaces]))
+    held = np.concatenate([np.zeros(0, dtype=int), *(interface.nodes for interface in interfaces)])
+    away = np.setdiff1d(np.arange(n), held)
     lines += ["*STEP", "*STATIC", *_held_lines(body.determinate_of(away)), "*CLOAD", *_load_lines(forces)]
     lines += _load_lines(center_loads[:, :3], n)
     lines += _load_lines(center_loads[:, 3:], n + count) if turned else _load_lines(center_loads[:, 3:], n, 3)

@@ -33,7 +33,7 @@ VERDICTS = (
     *(f"good to {grade} %" for grade in GRADES),
     f"uncertain by more than {GRADES[-1]} %",
     "mesh-limited: refine here",
-    "beside a rigid pin coupling: do not use",
+    "beside a pin coupling: do not use",
 )
 """Verdicts in order of their numbers, from 0."""
 OPEN, LIMITED, HELD = range(len(GRADES), len(GRADES) + 3)
@@ -253,7 +253,7 @@ def judged(
     Returns
     -------
     pandas.DataFrame
-        The table with a column verdict: "beside a rigid pin coupling: do not use"; "mesh-limited: refine
+        The table with a column verdict: "beside a pin coupling: do not use"; "mesh-limited: refine
         here" if the error of the mesh is above `MESH_LIMIT` or elements disagree by more than `JUMP_LIMIT`;
         "good to 10 %" and the like; or "uncertain by more than 50 %".
 

@@ -1,9 +1,13 @@
 """Modes of flexible shoes, and their damping."""
 
+import json
+
 import pytest
 
-from exudyn_crawler import FlexibleShoes, StepProfile
+from exudyn_crawler import Case, FlexibleShoes, StepProfile
 from exudyn_crawler.errors import ParameterError
+from exudyn_crawler.machines import saved_case
+from exudyn_crawler.results.checks.cases import ShoeCheck, check_of
 from studies.stress import with_modes
 
 COARSE = FlexibleShoes.ph4100c("coarse")
@@ -47,3 +51,17 @@ def test_modes_that_do_not_exist_are_refused(choice, message):
 def test_damping_has_neither_negative_frequencies_nor_ratios(profile, told):
     with pytest.raises(ParameterError, match=told):
         COARSE.with_(damping=profile)
+
+
+def test_pins_are_averaging_where_no_paper_says_rigid():
+    stated = COARSE.model_dump()
+    assert stated.pop("pins") == "rigid"
+    assert FlexibleShoes(**stated).pins == ShoeCheck().pins == "averaging"
+    assert check_of(Case.stress("coarse")).pins == "rigid"
+    assert ShoeCheck(spider="rigid").pins == "rigid"  # a file of an earlier version
+
+
+def test_a_stored_case_of_an_earlier_version_has_rigid_pins():
+    earlier = json.loads(Case.stress("coarse").model_dump_json())
+    del earlier["flexible"]["pins"]
+    assert saved_case(json.dumps(earlier)) == Case.stress("coarse")

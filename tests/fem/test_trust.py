@@ -130,7 +130,7 @@ def test_a_coarse_shoe_is_caught(shoe, partition):
     table = judged(fem.hot_spots(shapes, [0.0], np.ones((1, 1)), 5, nodes=away), truncation=0.0)
     assert (table["verdict"] == "mesh-limited: refine here").all()
     held = judged(fem.hot_spots(shapes, [0.0], np.ones((1, 1)), 3, nodes=shapes.spider_nodes))
-    assert (held["verdict"] == "beside a rigid pin coupling: do not use").all()
+    assert (held["verdict"] == "beside a pin coupling: do not use").all()
 
 
 def peak(**changes: float | str) -> pd.DataFrame:
@@ -149,7 +149,7 @@ def peak(**changes: float | str) -> pd.DataFrame:
         ({"error": 21.0}, {"truncation": 0.0}, "mesh-limited: refine here"),
         ({"jump": 60.0}, {"truncation": 0.0}, "mesh-limited: refine here"),
         ({"flag": "beside spider"}, {"truncation": 0.0}, "good to 5 %"),
-        ({"flag": "in spider", "error": 16.0}, {}, "beside a rigid pin coupling: do not use"),
+        ({"flag": "in spider", "error": 16.0}, {}, "beside a pin coupling: do not use"),
     ],
 )
 def test_verdicts(changes, beside, verdict):

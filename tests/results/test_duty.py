@@ -19,6 +19,7 @@ from exudyn_crawler.results.life.duty_runs import BETWEEN, check_cases_of, node_
 from exudyn_crawler.results.life.life import BEYOND, hours_in_stages, in_words, life_of, life_of_stages
 from exudyn_crawler.views.pages.life import life_lines
 from fem import Shapes
+from fem.body.interfaces import Spider
 from fem.fatigue.defects import CycleStage, Defect, growth
 from meshes.shoe import STEEL, joint_interfaces
 
@@ -192,14 +193,14 @@ def duty(*cases: DutyCase, **changes) -> Duty:
     return Duty(**given | changes)
 
 
-def pulled(mesh, *stresses: float) -> Shapes:
+def pulled(mesh, *stresses: float, pins: Spider = "rigid") -> Shapes:
     """Shoe under cases that pull all of it along x by these stresses, Pa."""
     stress = np.zeros((len(mesh.nodes), 6, len(stresses)))
     stress[:, 0] = stresses
     # strain that has this stress in the elements, too
     strain = np.diag([1.0, -STEEL.poissons_ratio, -STEEL.poissons_ratio]) / STEEL.youngs_modulus
     modes = np.einsum("ni,ij,k->njk", mesh.nodes, strain, np.array(stresses))
-    return Shapes(mesh, STEEL, tuple(joint_interfaces(mesh)), modes, stress)
+    return Shapes(mesh, STEEL, tuple(joint_interfaces(mesh, pins)), modes, stress)
 
 
 @pytest.fixture(scope="module")
@@ -401,6 +402,8 @@ def test_runs_and_cases_make_damage_at_all_places_of_the_runs(history, mesh):
     higher = dataclasses.replace(mesh, nodes=mesh.nodes + np.array([0.0, 0.0, 1e-4]))
     with pytest.raises(ValueError, match="runs and check cases must have the same mesh, got 13773 nodes"):
         life_of(duty(STONE, runs=(run,)), [history], shapes=pulled(higher, 140e6))
+    with pytest.raises(ValueError, match="must have the same pins, got 'rigid' of 'pulled' and 'averaging'"):
+        life_of(duty(STONE, runs=(run,)), [history], shapes=pulled(mesh, 140e6, pins="averaging"))
 
 
 @pytest.mark.slow

@@ -226,6 +226,7 @@ def test_runs_that_do_not_fit_are_refused(history, translation):
         ({"shoes": (7,)}, r"shoes of 'one' is \(7, 13\), of 'two' \(7,\)"),
         ({"mesh": "study"}, "same shoes: mesh of 'one' is"),
         ({"youngs_modulus": 7e10}, "youngs_modulus of 'one' is 2"),
+        ({"pins": "averaging"}, "pins of 'one' is rigid, of 'two' averaging"),
     ):
         other = History(history.case.with_(flexible=flexible.with_(**change)), history.dataset)
         with pytest.raises(ValueError, match=words):

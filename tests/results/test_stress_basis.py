@@ -60,7 +60,7 @@ def test_hot_spots_in_spiders_stand_behind_those_that_may_be_used(history, basis
     pd.testing.assert_frame_equal(table.iloc[:-1], usable)
     last = table.iloc[-1]
     assert (last["rank"], last["node"], last["flag"]) == (len(usable) + 1, held, "in spider")
-    assert last["verdict"] == "beside a rigid pin coupling: do not use"
+    assert last["verdict"] == "beside a pin coupling: do not use"
 
 
 def test_the_highest_stress_over_time_is_of_nodes_outside_of_spiders(history):

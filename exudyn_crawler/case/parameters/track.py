@@ -3,7 +3,7 @@
 import os
 from dataclasses import replace
 from pathlib import Path
-from typing import Annotated, Self
+from typing import Annotated, Literal, Self
 
 import numpy as np
 from pydantic import AfterValidator, ValidationInfo
@@ -283,6 +283,13 @@ PAPER_DAMPING = drive.StepProfile(times=ph4100c.DAMPING_FREQUENCIES, values=ph41
 ADAMS_DAMPING = drive.StepProfile(times=(99.0, 101.0, 990.0, 1010.0), values=(0.01, 0.1, 0.1, 1.0))
 """Default damping of ADAMS: 1 % below 100 Hz, 10 % up to 1000 Hz, critical above; jumps are 2 % wide here."""
 
+PinCoupling = Literal["rigid", "averaging"]
+"""Ways in which a pin holds its bore: rigid (RBE2) or averaging (RBE3)."""
+COUPLING: PinCoupling = "averaging"
+"""Coupling of runs, check cases and shoes of CAD files: an averaging one does not stiffen the bore.
+
+With a rigid one the stress at a lug's root is a fifth lower.
+"""
 CONSTRAINT_MODES = 24  # six for each of the four joint centres
 RIGID_MODES = 6
 
@@ -307,6 +314,7 @@ class FlexibleShoes(Parameters):
     mesh: Annotated[str, AfterValidator(mesh_beside)] = option(
         "mesh: coarse, study or fine, or the path of a file with the same surfaces"
     )
+    pins: PinCoupling = option("coupling of pins and bores", COUPLING)
     youngs_modulus: float = quantity("Pa", "Young's modulus E", (5e10, 5e11), ge=1.0, le=1e15)
     poissons_ratio: float = quantity("1", "Poisson's ratio nu", (0.0, 0.45), gt=-1, lt=0.5)
     density: float = quantity("kg/m3", "density of the material", (1000.0, 2e4), ge=1e-3, le=1e6)

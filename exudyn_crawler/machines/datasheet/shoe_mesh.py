@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 import fem
-from exudyn_crawler.case.parameters.track import FlexibleShoes, Shoe
+from exudyn_crawler.case.parameters.track import COUPLING, FlexibleShoes, Shoe
 from exudyn_crawler.machines.datasheet.chain import Chain
 from exudyn_crawler.machines.datasheet.sheet import Datasheet, DatasheetError, Kind, ShoeKind
 from meshes.geometry import JOINT_CENTERS
@@ -135,6 +135,7 @@ def flexible_of(sheet: Datasheet, shoe: int) -> FlexibleShoes:
     of_mesh = shoe_of_mesh(sheet.shoe_mesh)
     return FlexibleShoes.ph4100c(sheet.shoe_mesh).with_(
         shoes=(shoe,),
+        pins=COUPLING,
         density=STEEL.density,
         static_fields=of_mesh.is_covered,
         load_surface=of_mesh.surface,

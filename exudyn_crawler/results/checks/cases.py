@@ -9,11 +9,12 @@ from pathlib import Path
 from typing import Any, Literal, NamedTuple, get_args
 
 import numpy as np
+from pydantic import AliasChoices
 
 from exudyn_crawler.case import Case, Track, ph4100c, statics
 from exudyn_crawler.case.parameters import base
 from exudyn_crawler.case.parameters.base import Place, Two
-from exudyn_crawler.case.parameters.track import FlexibleShoes
+from exudyn_crawler.case.parameters.track import COUPLING, FlexibleShoes, PinCoupling
 from exudyn_crawler.machines.case_files import read_case
 from exudyn_crawler.results.life.duty import FatigueMaterial
 from exudyn_crawler.settings import parameters, reading
@@ -170,7 +171,11 @@ class ShoeCheck(Parameters):
         le=1e3,
         default=1.0,
     )
-    spider: Literal["averaging", "rigid"] = option("coupling of pins and bores", default="averaging")
+    pins: PinCoupling = option(
+        "coupling of pins and bores",
+        default=COUPLING,
+        validation_alias=AliasChoices("pins", "spider"),  # the second: files of earlier versions
+    )
     roller_radius: base.Length = quantity(
         "m", "radius of the rollers' treads", (0.05, 1.5), default=ph4100c.ROLLER_RADIUS
     )
@@ -203,8 +208,10 @@ def check_of(case: Case) -> ShoeCheck:
     machine = statics.mean_load(case) / ph4100c.PROPEL_LOAD
     machine = float(f"{machine:.3g}") if machine > 0.0 else 1.0
     levels = tuple(level.with_(force=machine * level.force) for level in LEVELS)
-    mesh = case.part(FlexibleShoes).mesh
-    return ShoeCheck(name=case.name, mesh=mesh, track=case.track, machine=machine, levels=levels)
+    shoes = case.part(FlexibleShoes)
+    return ShoeCheck(
+        name=case.name, mesh=shoes.mesh, pins=shoes.pins, track=case.track, machine=machine, levels=levels
+    )
 
 
 def read_check(path: str | Path) -> ShoeCheck:

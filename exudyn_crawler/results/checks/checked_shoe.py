@@ -1,6 +1,5 @@
 """Finite elements of a check's shoe, and the balanced loads of its cases."""
 
-from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
@@ -52,9 +51,7 @@ class CheckedShoe:
             mesh = mesh_named(check.mesh)
         check_surfaces(mesh, "underside", name)
         self.mesh, self.body = mesh, ElasticBody(mesh, STEEL)
-        pins = [
-            replace(pin_interface, spider=check.spider) for pin_interface in pin_interfaces(mesh, name, track)
-        ]
+        pins = pin_interfaces(mesh, name, track, check.pins)
         self.partition, self.outline = Partition(self.body, pins), ready.ShoeOutline.of(mesh)
         empty = (np.empty((len(mesh.nodes), count, 0)) for count in (3, 6))
         shapes = Shapes(mesh, STEEL, tuple(pins), *empty)

@@ -17,7 +17,7 @@ KEY_UNITS = catalogue.READ_IN | {"m": ("mm", 1e3)}
 """Units of key results for reading, and factors to them; lengths are small and read in mm."""
 WHEELS = {"roller": "a roller", "idler": "the idler", "carrier": "a carrier", "slide": "a line of a slide"}
 """Kinds of wheels of closed tracks, and their words in names of results."""
-HELD = "stress beside a rigid pin, not to be used"
+HELD = "stress beside a pin coupling, not to be used"
 """Name of the highest stress of nodes in rigid spiders, shown if it exceeds the highest usable one."""
 AT_LIMIT = 0.95
 """Torque of a drive at its limit, fraction of the limit; the chain then lags by 3 times `torque_speed`."""
@@ -40,7 +40,7 @@ ResultRow = tuple[str, float, str, str, float]
 def key_results(history: History, stress: xr.Dataset | None = None) -> pd.DataFrame:
     """Return greatest stress, forces, sinkage and speed of a run, its distance and its residual at the start.
 
-    The stress is the highest usable one; a higher one beside a rigid pin follows it. Columns are result,
+    The stress is the highest usable one; a higher one beside a pin coupling follows it. Columns are result,
     value, unit, of (shoe, link or roller, if any) and at (s). Vectors count by their length, forces by their
     magnitude.
     """

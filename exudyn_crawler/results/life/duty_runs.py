@@ -65,7 +65,7 @@ def used_runs(duty: Duty, histories: Sequence[History]) -> list[UsedRun]:
 def used_cases(duty: Duty, shapes: Shapes, runs: Sequence[UsedRun]) -> list[UsedRun]:
     """Return the check cases of a duty at all places of its runs, by `shapes` for `check_cases_of`.
 
-    ValueError if the runs' shoes have another mesh.
+    ValueError if the runs' shoes have another mesh or another coupling of their pins.
     """
     places = [*runs[0].basis.coordinates] if runs else [1]
     columns = check_cases_of(duty)
@@ -73,6 +73,11 @@ def used_cases(duty: Duty, shapes: Shapes, runs: Sequence[UsedRun]) -> list[Used
         raise ValueError(
             f"runs and check cases must have the same mesh, got {len(runs[0].basis.shapes.nodes)} nodes of "
             f"{runs[0].run.name!r} and {len(shapes.nodes)} of {duty.check!r}"
+        )
+    if runs and (held := pins_of(runs[0].basis.shapes)) != pins_of(shapes):
+        raise ValueError(
+            f"runs and check cases must have the same pins, got {held!r} of {runs[0].run.name!r} and "
+            f"{pins_of(shapes)!r} of {duty.check!r}: both give other stresses at lugs and bores"
         )
     used = []
     for case in duty.cases:
@@ -84,6 +89,11 @@ def used_cases(duty: Duty, shapes: Shapes, runs: Sequence[UsedRun]) -> list[Used
         basis = StressBasis(shapes, loads, np.eye(len(columns)), dict.fromkeys(places, q), 0.0)
         used.append(UsedRun(case, basis, case.an_hour, pd.Categorical([case.case] * 3), np.arange(3.0)))
     return used
+
+
+def pins_of(shapes: Shapes) -> str:
+    """Return the coupling of pins and bores of a shoe."""
+    return shapes.interfaces[0].spider
 
 
 def check_cases_of(duty: Duty) -> list[str]:
@@ -128,7 +138,9 @@ def _check_shoes(runs: Sequence[DutyRun], parts: Sequence[History]) -> None:
                 f"run {run.name!r} must have flexible shoes: give their numbers as flexible.shoes of its case"
             )
         body, _ = shoe_model(shoes, case.track)
-        traits = {name: getattr(shoes, name) for name in ("shoes", "youngs_modulus", "poissons_ratio")}
+        traits = {
+            name: getattr(shoes, name) for name in ("shoes", "youngs_modulus", "poissons_ratio", "pins")
+        }
         traits |= {"mesh": body.mesh.digest[:12]}
         first = first or traits
         if unlike := [name for name, value in traits.items() if value != first[name]]:

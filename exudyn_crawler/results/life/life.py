@@ -213,7 +213,7 @@ def _shown(known: pd.Series, regions: np.ndarray, duty: Duty) -> list[int]:
     """Return the worst node of every region, the worst first, then the duty's chosen nodes.
 
     `known` has the damages in falling order. The worst node of the bores comes after those of other regions:
-    its stress beside a rigid pin is not used.
+    its stress beside a pin coupling is not used.
     """
     shortest = known.groupby(regions[known.index], sort=False).head(1).index.tolist()
     usable = [node for node in shortest if regions[node] != hot_spots.BORES]

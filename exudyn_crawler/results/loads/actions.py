@@ -33,7 +33,7 @@ from exudyn_crawler.results.loads.locations import (
 
 
 class AtInterface(NamedTuple):
-    """Entry into a flexible shoe at the centre of an interface, through the rigid spider there."""
+    """Entry into a flexible shoe at the centre of an interface, through the coupling there."""
 
     name: str
 

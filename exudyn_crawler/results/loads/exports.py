@@ -25,7 +25,7 @@ class ShoeLoads:
     time: float  # s, stored instant
     shoe: int
     body: ElasticBody  # mesh and material
-    interfaces: list[Interface]  # joints; their centres hold the nodes of the bores rigidly
+    interfaces: list[Interface]  # joints; their couplings hold the bores
     nodal: np.ndarray  # (n, 3), N: machine load, contacts, drive, weight and inertia
     centers: np.ndarray  # (i, 6), forces (N) and moments (N m) on the joint centres
     table: pd.DataFrame  # result of `action_table`

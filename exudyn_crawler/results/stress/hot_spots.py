@@ -209,7 +209,7 @@ def in_the_shoe(place: xr.DataArray) -> dict[str, np.ndarray]:
 
 
 def peak_spots(by_shoe: Mapping[int, pd.DataFrame]) -> dict[str, tuple[int, pd.DataFrame]]:
-    """Return the highest usable hot spot of all shoes, and a higher one beside a rigid pin, if any.
+    """Return the highest usable hot spot of all shoes, and a higher one beside a pin coupling, if any.
 
     The keys are the names of both; each value is the shoe's number and a table of one row. If no hot spot is
     usable, the highest one beside a pin stands alone.
@@ -223,7 +223,7 @@ def peak_spots(by_shoe: Mapping[int, pd.DataFrame]) -> dict[str, tuple[int, pd.D
 
     peaks = {"peak stress": max(free, key=value)} if free else {}
     if held and (not free or value(max(held, key=value)) > value(peaks["peak stress"])):
-        peaks["higher beside a rigid pin, not to be used"] = max(held, key=value)
+        peaks["higher beside a pin coupling, not to be used"] = max(held, key=value)
     return peaks
 
 

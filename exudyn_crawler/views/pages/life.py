@@ -116,7 +116,7 @@ def life_lines(lives: LifeResults) -> list[str]:
     if shortest == cell_text(life_words(BROKEN)):
         until = "no machine hours: a crack at the first load"
     return [
-        f"{until} at the worst node ({worst['region']}; rigid pin couplings "
+        f"{until} at the worst node ({worst['region']}; pin couplings "
         f"left out), which {survival:g} % of the shoes survive{mean}"
         f"{worn and f'; stages{worn[1:]}, the last goes on'}",
         *beyond,
