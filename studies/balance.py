@@ -7,14 +7,17 @@ from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping
 from copy import copy
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike
 
 from exudyn_crawler.case import Rolled, statics
+from exudyn_crawler.case.gear.arms import Arm
 from exudyn_crawler.case.gear.base import POSTS
 from exudyn_crawler.case.gear.closed import Closed
+from exudyn_crawler.case.gear.running_gear import Bogie, RunningGear
 from exudyn_crawler.case.parameters.base import inertia_tensor
 from exudyn_crawler.case.parameters.terrain import Terrain
 from exudyn_crawler.case.parameters.track import FlexibleShoes
@@ -87,12 +90,7 @@ def _shoes(history: History) -> _Motion:
 
 
 def _side_frame(history: History) -> _Motion:
-    """Return the motion of the side frame or the machine; raise `ValueError` for drawbars, bogies or arms."""
-    if history.case.drive.slip is not None:
-        raise ValueError("drive.slip must be none: balances do not include drawbars")
-    for kind in ("bogie", "arm"):
-        if history.has(f"{kind}_angle"):
-            raise ValueError(f"gear.{kind}s must be empty: balances do not include {kind}s")
+    """Return the motion of the side frame or the machine."""
     parts = history.case.gear.frame_parts
     mass = sum(part.mass for part in parts)
     center = sum(part.mass * part.com for part in parts) / mass
@@ -114,11 +112,16 @@ def _of_tracks(history: History, name: str) -> np.ndarray:
 
 
 def _others(history: History, frame: _Motion) -> Iterator[_Motion]:
+    """Yield the motions of tumblers, of idlers that slide, of bogies and of arms in their side frame."""
+    if history.case.gear.tumblers:
+        yield from _of_chains(history, frame)
+    yield from (swung.motion for swung in _swung(history, frame))
+
+
+def _of_chains(history: History, frame: _Motion) -> Iterator[_Motion]:
     """Yield the motions of tumblers, which turn in their side frame, then of idlers that slide along it."""
     case = history.case
     time = history.time.values
-    if not case.gear.tumblers:
-        return
     closed = case.part(Closed)
     places = _of_tracks(history, "tumbler_position")
     take_up = _of_tracks(history, "take_up")
@@ -135,6 +138,64 @@ def _others(history: History, frame: _Motion) -> Iterator[_Motion]:
             yield _riding(frame, time, frame.origin + place, [still[0], still[0], way], slide.mass, inertia)
 
 
+class _Swung(NamedTuple):
+    """Bogie or arm of a side frame, with its motion about its pivot."""
+
+    part: Bogie | Arm
+    axles: dict[int, np.ndarray]  # from its pivot in its own axes, m, by number of the wheel, from 0
+    angle: np.ndarray  # (times,), about the frame's y, rad
+    rate: np.ndarray  # (times,), rad/s
+    motion: _Motion
+
+    @property
+    def upward(self) -> float:
+        """Sense of the angle that lifts an arm's wheel: 1 behind the pivot, else -1."""
+        return 1.0 if next(iter(self.axles.values()))[0] < 0.0 else -1.0
+
+
+def _swung(history: History, frame: _Motion) -> Iterator[_Swung]:
+    """Yield bogies, then arms, track by track."""
+    case = history.case
+    gear = case.part(RunningGear)
+    time = history.time.values
+    still = np.zeros_like(time)
+    rollers = [k for k, label in enumerate(gear.wheel_labels) if label.kind == "roller"]
+    of_tracks = np.reshape(rollers, (gear.tracks, -1))
+    kinds = (
+        ("bogie_angle", [(bogie, bogie.rollers) for bogie in gear.bogies], gear.bogie_reference(case)),
+        ("arm_angle", [(arm, (arm.roller,)) for arm in gear.arms], gear.arm_reference(case)),
+    )
+    for name, parts, reference in kinds:
+        on_tracks = [(of_track, *part) for of_track in of_tracks for part in parts]
+        angles = history.dataset[name].transpose(..., "time").values if parts else ()
+        pivots = reference[:, :3] - gear.frame_start(case)
+        for (of_track, part, carried), angle, pivot in zip(on_tracks, angles, pivots, strict=True):
+            x, z = part.pivot
+            axles = {int(of_track[k - 1]): np.array((gear.rollers[k - 1] - x, 0.0, -z)) for k in carried}
+            rate = _rate(angle, time)
+            place = frame.origin + frame.axes @ pivot
+            com = part.com[0], 0.0, part.com[1]
+            inertia = inertia_tensor(part.inertia)
+            motion = _riding(frame, time, place, [angle, rate, still], part.mass, inertia, com)
+            yield _Swung(part, axles, angle, rate, motion)
+
+
+def _sprung(history: History, frame: _Motion) -> Iterator[tuple[Arm, _Swung]]:
+    """Yield the arms with their motions."""
+    for swung in _swung(history, frame):
+        if isinstance(swung.part, Arm):
+            yield swung.part, swung
+
+
+def _spring_energy(arm: Arm, swung: _Swung) -> np.ndarray:
+    """Return the energy of an arm's spring and bump stop from its nominal position, J: (times,)."""
+    up = swung.upward * swung.angle
+    energy: np.ndarray = (arm.torque + 0.5 * arm.stiffness * up) * up
+    if arm.stop is not None:
+        energy = energy + 0.5 * arm.stop_stiffness * np.maximum(up - arm.stop, 0.0) ** 2
+    return energy
+
+
 def _riding(
     frame: _Motion,
     time: np.ndarray,
@@ -142,10 +203,12 @@ def _riding(
     motion: list[np.ndarray],
     mass: float,
     inertia: np.ndarray,
+    com: ArrayLike = (0.0, 0.0, 0.0),
 ) -> _Motion:
-    """Return the motion of a body in a frame with its COM at a place (times, 3), m.
+    """Return the motion of a body in a frame with its axle at a place (times, 3), m.
 
     `motion` holds the body's angle (rad) and speed (rad/s) about the frame's y, and its way along x (m).
+    `com` (3,) is its COM from its axle in its own axes, m.
     """
     body = copy(frame)
     arm = place - frame.origin
@@ -161,7 +224,7 @@ def _riding(
     body.omega = frame.omega + spin * axle
     body.alpha = frame.alpha + _rate(spin, time) * axle + np.cross(frame.omega, spin * axle)
     body.axes = frame.axes @ rotation_matrices(angle * np.eye(3)[1])
-    body.origin, body.center = place, np.zeros_like(place)
+    body.origin, body.center = place, _times(body.axes, np.asarray(com))
     body.mass = np.asarray(mass)
     body.inertia = inertia
     return body
@@ -235,15 +298,18 @@ def frame_imbalance(history: History) -> xr.Dataset:
 
     `travel` and `heave` (N) are along x and z. `roll` and `pitch` (N m) are about the axes of these angles
     and the frame's origin. Each is (time,). Held coordinates y and yaw are left out; a machine on two tracks
-    has `sway` and `yaw` for them. In a closed track the frame includes its tumblers and the idlers that
-    slide; forces between these are internal. Raises `ValueError` if there is no side frame, or posts hold it.
+    has `sway` and `yaw` for them. The frame includes its bogies and arms, and in a closed track its tumblers
+    and the idlers that slide; forces between these are internal. Raises `ValueError` if there is no side
+    frame, or posts hold it.
     """
     case = history.case
     frame = _side_frame(history)
     force, moment = frame.momentum_rates()
     for body in _others(history, frame):
         rate, spin = body.momentum_rates()
-        rate = rate - body.mass * case.gravity_vector()
+        weight = body.mass * case.gravity_vector()
+        spin = spin - np.cross(body.center, weight)
+        rate = rate - weight
         force = force + rate
         moment = moment + spin + np.cross(body.origin - frame.origin, rate)
     for action in frame_actions(history):
@@ -277,9 +343,10 @@ def energies(history: History) -> xr.Dataset:
     Each is (time,). Heights of the shoes' COMs count from the origin, those of the units from free springs.
     On cells there are no springs: the energy that the ground stores and gives back is part of `powers`. Under
     a side frame there are also `frame_kinetic`, `frame_gravitational` (heights from z = 0) and `treads`, the
-    energy in their contacts with rails. In a closed track the frame's energies include tumblers and idlers.
-    `teeth` is the energy in their contacts, `tensioners` that in the springs of idlers, `elastic` that of the
-    modes of flexible shoes. Raises `ValueError` for flexible shoes of an open track, or on cells.
+    energy in their contacts with rails. The frame's energies include bogies and arms, and in a closed track
+    tumblers and idlers. `teeth` is the energy in their contacts, `tensioners` that in the springs of idlers,
+    `arm_springs` that in the springs of arms, from their nominal position, `elastic` that of the modes of
+    flexible shoes. Raises `ValueError` for flexible shoes of an open track, or on cells.
     """
     _only_known(history)
     case = history.case
@@ -302,6 +369,9 @@ def energies(history: History) -> xr.Dataset:
         stored["frame_kinetic"], stored["frame_gravitational"] = (
             sum(of_kind) for of_kind in zip(*by_body, strict=True)
         )
+        if case.part(RunningGear).arms:
+            sprung = _sprung(history, side)
+            stored["arm_springs"] = np.sum([_spring_energy(arm, swung) for arm, swung in sprung], axis=0)
     if history.has("tread_force"):
         stored["treads"], _, _ = _treads(history, case.part(Rolled), side, _shoes(history))
     if history.has("wheel_energy"):
@@ -330,8 +400,9 @@ def powers(history: History) -> xr.Dataset:
     rest. Under a side frame the drive pulls on frame and chain. The machine's load is that on the frame with
     the tension of the chain's ends, and `rolling_resistance` and `tread_damping` take power, too. In a closed
     track the drive is the torque on the tumblers. `wheel_losses` and `tooth_losses` are the power that wheels
-    and teeth take and do not store: by resistance, damping and flanges. `modal_damping` and
-    `tensioner_damping` take power if they exist. Raises `ValueError` as in `energies`, or for contact by
+    and teeth take and do not store: by resistance, damping and flanges. `drawbar` is the power that a drawbar
+    takes from the frame. `modal_damping`, `tensioner_damping` and `arm_damping` take power if they exist.
+    Raises `ValueError` as in `energies`, or for contact by
     spheres: its history does not have the power of each contact.
     """
     _only_known(history)
@@ -349,6 +420,9 @@ def powers(history: History) -> xr.Dataset:
         named |= _rolled_powers(history, case.part(Rolled), shoes, supplied[Kind.CHAIN])
     if history.has("wheel_energy"):
         named |= _closed_powers(history, shoes)
+    if case.gear.frame_parts and case.part(RunningGear).arms:
+        sprung = _sprung(history, _side_frame(history))
+        named["arm_damping"] = np.sum([arm.damping * swung.rate**2 for arm, swung in sprung], axis=0)
     return _over_time(history, "W", **named)
 
 
@@ -432,10 +506,42 @@ def _closed_powers(history: History, shoes: _Motion) -> dict[str, np.ndarray]:
         idlers = [label.kind == "idler" for label in case.gear.wheel_labels]
         pushed = data.wheel_force.values[:, idlers] @ frame.axes[..., :1]
         taken["wheel_losses"] -= np.sum(pushed[..., 0] * rate, axis=1)
+    for swung in _swung(history, frame):
+        for wheel, axle in swung.axles.items():
+            moment = _moment_on(history, shoes, swung.motion, wheel, axle)
+            taken["wheel_losses"] -= np.sum(moment * frame.axes[..., 1], axis=1) * swung.rate
+    if history.has("drawbar_pull"):
+        taken["drawbar"] = -frame.powers([_drawbar(history)])[Kind.PULL]
     drive = np.sum(_of_tracks(history, "drive_moment") * _of_tracks(history, "tumbler_speed"), axis=0)
     force, moment = statics.machine_wrench(case, time)
     machine = np.sum(force * frame.velocity + moment * frame.omega, axis=-1)
     return {"drive": drive, "machine_load": machine} | taken
+
+
+def _moment_on(
+    history: History, shoes: _Motion, carrier: _Motion, wheel: int, axle: np.ndarray
+) -> np.ndarray:
+    """Return the moment of a roller's force about the origin of its carrier, (times, 3), N m.
+
+    The resistance acts at the rail of the shoe whose COM is nearest to the axle (3,), m in the carrier.
+    """
+    gear = history.case.part(Closed)
+    count = gear.loop(history.case.track).shoe_count
+    first = count * (wheel // (len(gear.wheel_labels) // gear.tracks))
+    force = history.wheel_force.values[:, wheel]
+    arm = _times(carrier.axes, axle)
+    apart = shoes.origin[:, first : first + count] - (carrier.origin + arm)[:, None]
+    nearest = first + np.argmin(np.sum(apart**2, axis=-1), axis=1)
+    when = np.arange(len(nearest))
+    rail = shoes.axes[when, nearest]
+    foot = carrier.origin + arm - gear.roller_radius * rail[..., 2]
+    spin = np.cross(shoes.omega[when, nearest], foot - shoes.origin[when, nearest])
+    slip = carrier.velocity_at(foot) - shoes.velocity[when, nearest] - spin
+    speed = np.sum(slip * rail[..., 0], axis=1)
+    drag = gear.rolling_resistance * speed / np.hypot(speed, gear.resistance_speed)
+    resisted = gear.roller_radius * np.linalg.norm(force, axis=1) * drag / np.hypot(1.0, drag)
+    moment: np.ndarray = np.cross(arm, force) + resisted[:, None] * rail[..., 1]
+    return moment
 
 
 def _modal_powers(history: History, taken: dict[str, np.ndarray]) -> np.ndarray:
@@ -458,6 +564,8 @@ def _treads(
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return the energy in the treads, J, and the powers of resistance and damping, W: arrays (times,)."""
     energy, resisted, damped = np.zeros((3, history.time.size))
+    carriers = {k: (motion, np.array((x, 0.0, 0.0))) for k, x in enumerate(frame.rollers)}
+    carriers |= {k: (one.motion, axle) for one in _swung(history, motion) for k, axle in one.axles.items()}
     rails = history.case.shoe.rails
     middles = () if rails is None else rails.middles
     stiffness = frame.stiffness / frame.strips
@@ -467,13 +575,14 @@ def _treads(
     )
     for action, entry in on_rails:
         rail, strip = divmod(entry.line, frame.strips)
-        place = (frame.rollers[entry.roller], middles[rail] + frame.strip_places[strip], 0.0)
-        away = motion.origin + motion.axes @ np.array(place) - action.point
+        carrier, axle = carriers[entry.roller]
+        place = np.array((0.0, middles[rail] + frame.strip_places[strip], 0.0)) + axle
+        away = carrier.origin + carrier.axes @ place - action.point
         distance = np.linalg.norm(away, axis=1, keepdims=True)
         normal = away / distance
         force = -action.force
         depth = np.where(force.any(axis=1), frame.radius - distance[:, 0], 0.0).clip(0.0)
-        slip = motion.velocity_at(action.point) - shoes.velocity_at(action.point, action.shoe)
+        slip = carrier.velocity_at(action.point) - shoes.velocity_at(action.point, action.shoe)
         pressed = np.sum(force * normal, axis=1)
         rate = -np.sum(normal * slip, axis=1)
         energy += stiffness / power * depth**power
@@ -524,6 +633,8 @@ def frame_actions(history: History) -> Iterator[acting.Action]:
         yield acting.Action(Kind.WEIGHT, 0, Point.CENTER, center, weight, zero)
     wrench = statics.machine_wrench(case, history.time.values)
     yield acting.Action(Kind.MACHINE, 0, Point.ORIGIN, origin, *wrench)
+    if history.has("drawbar_pull"):
+        yield _drawbar(history)
     if history.has("wheel_load"):
         for shoe in case.track.shoes.tolist():
             for action in acting.wheels_and_teeth(history, shoe, history.position.sel(shoe=shoe).values):
@@ -536,6 +647,18 @@ def frame_actions(history: History) -> Iterator[acting.Action]:
             yield replace(action, shoe=0, force=-action.force)
         pull = pulls[:, shoe - 1, None] * np.array((1.0, 0.0, 0.0))
         yield acting.Action(Kind.PULL, 0, PinsOfShoe(shoe), pins[:, shoe - 1], pull, zero)
+
+
+def _drawbar(history: History) -> acting.Action:
+    """Return the pull of a drawbar on the side frame."""
+    case = history.case
+    height = case.drive.drawbar_height - case.part(Closed).frame_start(case)[2]
+    origin = history.side_frame_position.values
+    point = origin + rotation_matrices(history.side_frame_angles.values) @ np.array((0.0, 0.0, height))
+    zero = np.zeros_like(origin)
+    force = zero.copy()
+    force[:, 0] = -history.drawbar_pull.values
+    return acting.Action(Kind.PULL, 0, Point.DRAWBAR, point, force, zero)
 
 
 def _only_known(history: History) -> None:

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from exudyn_crawler.run.solve.rest import RESIDUAL
+from studies.balance import energy_balance, frame_imbalance
 from tests import golden
 
 pytestmark = pytest.mark.simulation
@@ -26,3 +27,25 @@ def test_short_runs_keep_their_numbers(name):
         np.testing.assert_allclose(
             found[variable], values, rtol=0.0, atol=TOLERANCE * scale, err_msg=variable
         )
+
+
+@pytest.mark.parametrize("name", ["closed", "machine", "machine on sand", "arms", "bogies"])
+def test_energy_and_momentum_of_machines_are_balanced(name):
+    """The work of the drive, and of a drawbar, is stored or taken; the frame's weight is carried."""
+    history = golden.history_of(name)
+    balance = energy_balance(history)
+    supplied = np.abs(balance.drive.values).max()
+    if history.has("drawbar_pull"):
+        supplied += np.abs(balance.drawbar.values).max()
+    assert np.abs(balance.imbalance.values).max() < 1e-3 * supplied
+    # accelerations of bogies are differences of their angles
+    imbalance = frame_imbalance(history).isel(time=slice(5, -5))
+    weight = history.case.gear.carried_mass * history.case.gravity
+    for freedom in ("travel", "heave"):
+        assert np.abs(imbalance[freedom].values).max() < 1e-3 * weight, freedom
+
+
+def test_no_term_of_arms_and_drawbar_could_be_left_out():
+    balance = energy_balance(golden.history_of("arms")).isel(time=-1)
+    for term in ("arm_springs", "arm_damping", "drawbar"):
+        assert abs(float(balance[term])) > 2.0 * abs(float(balance.imbalance)), term

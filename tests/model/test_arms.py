@@ -12,7 +12,6 @@ from exudyn_crawler.case.parameters.heights import Heights, Ridge
 from exudyn_crawler.errors import ParameterError
 from exudyn_crawler.ground.cells.laws.rock import RockFloor
 from exudyn_crawler.model.compiled_system import compiled_system
-from studies.balance import frame_imbalance
 from tests.model.both import check_matrix_at_rest
 from tests.rolled import ROLLERS, small_case
 
@@ -178,9 +177,3 @@ def test_arms_that_cannot_be_are_refused(changes, words):
     arms = [arm.with_(pivot=(9.0, 0.1)) for arm in arms_of()[:2]]
     with pytest.raises(ParameterError, match=words):
         Case.closed().with_({"gear.arms": (arms[0], arms[1].with_(changes))})
-
-
-def test_balances_refuse_arms():
-    history = simulate(on_floor(), 4e-3, progress=False)
-    with pytest.raises(ValueError, match=r"gear\.arms must be empty"):
-        frame_imbalance(history)

@@ -9,7 +9,6 @@ from exudyn_crawler.case.gear.running_gear import Bogie
 from exudyn_crawler.case.parameters.heights import Heights, Ridge
 from exudyn_crawler.ground.cells.laws.rock import RockFloor
 from exudyn_crawler.model.compiled_system import compiled_system
-from studies.balance import frame_imbalance
 from tests.model.both import check_matrix_at_rest
 from tests.rolled import small_case
 
@@ -98,8 +97,3 @@ def test_bogies_of_two_tracks_are_bodies_in_the_order_of_their_names():
     assert carriers["right roller 1"] == carriers["right roller 2"] == last - 2
     assert carriers["left roller 1"] == carriers["left roller 2"] == last - 1
     assert carriers["left roller 3"] == layout.shoes
-
-
-def test_balances_refuse_bogies(passed):
-    with pytest.raises(ValueError, match=r"gear\.bogies must be empty"):
-        frame_imbalance(passed[0])

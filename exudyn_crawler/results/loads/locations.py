@@ -20,6 +20,7 @@ class Point(StrEnum):
     FRAME = "frame"
     COM_NODE = "com node"
     FRONT_PINS = "front pins"
+    DRAWBAR = "drawbar"
 
 
 class Pin(NamedTuple):
