@@ -18,7 +18,7 @@ FLOORS = (
     ("cli",),
     ("app",),
     ("sweep", "spread_run"),
-    ("case_run", "life_run", "wear_run", "assess_run", "co_simulation", "shoe_file"),
+    ("case_run", "life_run", "wear_run", "assess_run", "co_simulation", "coupled", "shoe_file"),
     ("run", "views"),
     ("assessment",),
     ("results", "engine"),

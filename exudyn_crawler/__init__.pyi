@@ -19,6 +19,11 @@ from .case import Track as Track
 from .machines import read_case as read_case
 from .machines import write_case as write_case
 from .case_run import run_case as run_case
+from .coupled.restart import restore_state as restore_state
+from .coupled.restart import store_state as store_state
+from .coupled.solve import dynamic_settings as dynamic_settings
+from .coupled.solve import solve_dynamic as solve_dynamic
+from .coupled.tracks import add_track as add_track
 from .errors import CrawlerError as CrawlerError
 from .life_run import check_cases as check_cases
 from .life_run import life as life

@@ -37,6 +37,9 @@ KEEPS_MATRIX = {
 There most steps take one iteration with it; elsewhere a new matrix pays.
 """
 
+AT_START = exu.ConfigurationType.Initial, exu.ConfigurationType.Current
+"""Configurations of Exudyn's system that have the state of a start."""
+
 
 class CompiledSystem(track_system.TrackSystem):
     """Multibody system of a case with compiled equations of its `tables`; `mbs` has the coordinates alone.
@@ -111,14 +114,14 @@ class CompiledSystem(track_system.TrackSystem):
         self._state[1] = 0.0 if q_t is None else q_t
         self._state[2] = 0.0
         self._multipliers[:] = 0.0
-        self._hand_over(exu.ConfigurationType.Initial)
+        self._hand_over(*AT_START)
 
     def _start(self, state: np.ndarray, multipliers: np.ndarray) -> None:
         self._state[:] = state
         self._multipliers[:] = multipliers
         if self.cells is not None:
             self.cells.put_down(self._state)
-        self._hand_over(exu.ConfigurationType.Initial)
+        self._hand_over(*AT_START)
 
     def coordinates(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Return the current coordinates, rates and accelerations; see `TrackSystem`."""
@@ -130,6 +133,11 @@ class CompiledSystem(track_system.TrackSystem):
         """Multipliers of all constraints; see `TrackSystem`."""
         return self._multipliers
 
+    @property
+    def motion(self) -> np.ndarray:
+        """Coordinates, rates and accelerations at the start, or after the last step: (3, coordinates)."""
+        return self._state.copy()
+
     def solve(
         self, settings: "exu.SimulationSettings", next_end: Callable[[float], float] | None = None
     ) -> None:
@@ -140,7 +148,7 @@ class CompiledSystem(track_system.TrackSystem):
         most = newton_settings.maxIterations
         self._limits = newton.Limits(newton_settings.absoluteTolerance, most, False)
         if settings.timeIntegration.generalizedAlpha.computeInitialAccelerations:
-            self._accelerate(settings.timeIntegration.startTime)
+            self.accelerate(self.inputs(settings.timeIntegration.startTime))
             settings.timeIntegration.generalizedAlpha.computeInitialAccelerations = False
         solver = integrator(self.mbs, next_end)
         solver.SetUserFunctionNewton(self.mbs, self._newton)
@@ -227,17 +235,31 @@ class CompiledSystem(track_system.TrackSystem):
         if not converged:
             self._multipliers[:] = start
             return False
+        self._store()
+        return True
+
+    def accept(self, time: float, state: np.ndarray, multipliers: np.ndarray) -> None:
+        """Take over a step up to a time (s) that was solved elsewhere, at its last residual; see `step`."""
+        self._state[:] = state
+        self._multipliers[:] = multipliers
+        data: Any = self.mbs.systemData
+        data.SetTime(time)
+        self._store()
+
+    def _store(self) -> None:
+        """Store the solved step in the cells' memory and in Exudyn's system."""
         if self.cells is not None:
             self.cells.commit()
         self._hand_over(exu.ConfigurationType.Current)
-        return True
 
-    def _accelerate(self, time: float) -> None:
-        """Write the accelerations and multipliers of a track at its start."""
+    def accelerate(self, inputs: Inputs) -> None:
+        """Write the accelerations and multipliers of a track at its start under loads and drive.
+
+        The factored matrix of accelerations stays in `scratch`.
+        """
         self._state[2] = 0.0
         self._multipliers[:] = 0.0
         self.cover(self._state)
-        inputs = self.inputs(time)
         weights = Weights(0.0, 0.0, 1.0, False, 1.0)
         values = self.scratch[1]
         out = self.residual(self._state, inputs, self._multipliers, weights)
@@ -250,15 +272,16 @@ class CompiledSystem(track_system.TrackSystem):
         elimination.solve(fronts, values, out)
         self._state[2] = -out[:count]
         self._multipliers[:] = -out[count:]
-        self._hand_over(exu.ConfigurationType.Initial)
+        self._hand_over(*AT_START)
 
-    def _hand_over(self, to: "exu.ConfigurationType") -> None:
+    def _hand_over(self, *configurations: "exu.ConfigurationType") -> None:
         """Write coordinates, rates and accelerations into Exudyn's system."""
         data: Any = self.mbs.systemData
-        # into Exudyn's own memory, not a copy: what sets coordinates takes them number by number
-        data.GetODE2Coordinates(to, False)[:] = self._state[0]
-        data.GetODE2Coordinates_t(to, False)[:] = self._state[1]
-        data.GetODE2Coordinates_tt(to, False)[:] = self._state[2]
+        for to in configurations:
+            # into Exudyn's own memory, not a copy: what sets coordinates takes them number by number
+            data.GetODE2Coordinates(to, False)[:] = self._state[0]
+            data.GetODE2Coordinates_t(to, False)[:] = self._state[1]
+            data.GetODE2Coordinates_tt(to, False)[:] = self._state[2]
 
     @property
     def pin_rows(self) -> int:

@@ -331,10 +331,31 @@ def _back(
 @kernel
 def solve(fronts: Fronts, values: FloatArray, x: FloatArray) -> None:
     """Overwrite a right-hand side (unknowns,) with the solution, after `eliminate`."""
+    reduce(fronts, values, x, np.int64(0))
+    complete(fronts, values, x)
+
+
+@kernel
+def reduce(fronts: Fronts, values: FloatArray, x: FloatArray, first: int) -> None:
+    """Overwrite a right-hand side (unknowns,) with that of the last front, and solve for its own unknowns.
+
+    Other terms may be added to the solution of the last front before `complete`. Fronts before `first` are
+    left out; their right-hand sides must be zero.
+    """
     n = np.max(fronts.first[1:] - fronts.first[:-1])
     y = np.empty(n)
     numbers = np.empty(n, dtype=np.int64)
-    for k in range(fronts.pivots.shape[0]):
+    last = fronts.pivots.shape[0] - 1
+    for k in range(first, last + 1):
         _forward(fronts, values, k, x, numbers, y)
-    for k in range(fronts.pivots.shape[0] - 1, -1, -1):
+    _back(fronts, values, last, x, numbers, y)
+
+
+@kernel
+def complete(fronts: Fronts, values: FloatArray, x: FloatArray) -> None:
+    """Compute the unknowns of all other fronts from those of the last one, after `reduce`."""
+    n = np.max(fronts.first[1:] - fronts.first[:-1])
+    y = np.empty(n)
+    numbers = np.empty(n, dtype=np.int64)
+    for k in range(fronts.pivots.shape[0] - 2, -1, -1):
         _back(fronts, values, k, x, numbers, y)

@@ -54,8 +54,8 @@ def _norm(residual: FloatArray) -> float:
     return np.sqrt(np.sum(residual * residual) / residual.shape[0])
 
 
-@inner
-def _subtract(
+@kernel
+def subtract(
     system: IntArray, change: FloatArray, weights: Weights, state: FloatArray, multipliers: FloatArray
 ) -> None:
     """Subtract a change of coordinates and multipliers; rates and accelerations follow by the weights."""
@@ -70,8 +70,8 @@ def _subtract(
     kinds.turn_multipliers(tables.joints, tables.bodies, tables.markers, change, multipliers)
 
 
-@inner
-def _is_stale(search: Search, matrices: int, age: int, norm: float, last: float, limit: float) -> bool:
+@kernel
+def is_stale(search: Search, matrices: int, age: int, norm: float, last: float, limit: float) -> bool:
     """Return True if a matrix should be replaced after an iteration that reduced a residual `last` to `norm`.
 
     `matrices` is the number of matrices of this step so far, `age` the number of iterations with the present
@@ -128,7 +128,7 @@ def step(
             age = 0
         change[:] = out
         elimination.solve(fronts, values, change)
-        _subtract(system, change, weights, state, multipliers)
+        subtract(system, change, weights, state, multipliers)
         iterations += 1
         age += 1
         residual(system, state, multipliers, inputs, none, out)
@@ -138,6 +138,6 @@ def step(
             return Outcome(True, iterations, matrices, norm)
         if not norm < DIVERGED:
             break
-        stage = STALE if _is_stale(search, matrices, age, norm, last, limit) else FACTORED
+        stage = STALE if is_stale(search, matrices, age, norm, last, limit) else FACTORED
         last = norm
     return Outcome(False, iterations, matrices, last)

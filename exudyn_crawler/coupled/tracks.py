@@ -1,0 +1,135 @@
+"""Machines on tracks as items of a user's model of Exudyn."""
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from exudyn_crawler.case import Case
+from exudyn_crawler.coupled.block import TrackBlock
+from exudyn_crawler.coupled.placement import Placement
+from exudyn_crawler.coupled.rest import SHARE, rest_under
+from exudyn_crawler.coupled.user_model import CarBody
+from exudyn_crawler.ground.rotations import angular_velocity
+from exudyn_crawler.model.exudyn import RigidBodyInertia, exu, items
+from exudyn_crawler.results.history import History, states
+
+TRACKS = "exudyn_crawler tracks"
+"""Name of the list of tracks in `mbs.variables`."""
+
+
+class CoupledTrack:
+    """Machine on its tracks in a user's model: items of Exudyn, and the state of the track.
+
+    Attributes
+    ----------
+    body, node, marker : int
+        Numbers of the car body in Exudyn, of its node, and of a marker at its origin.
+    position : numpy.ndarray
+        Origin of the car body at rest, in the user's frame, m: array (3,).
+    axes : numpy.ndarray
+        Rotation matrix of the car body at rest, from its axes to the user's frame: array (3, 3).
+    gravity : numpy.ndarray
+        Acceleration of gravity in the user's frame, m/s2: array (3,).
+    """
+
+    def __init__(self, car: CarBody, block: TrackBlock) -> None:
+        self.car = car
+        self.block = block
+        self.body = car.body
+        self.node = car.node
+        self.marker = car.marker
+        self.position, self.axes = car.placement.pose(block.pose)
+        self.gravity = car.placement.turn @ block.system.case.gravity_vector()
+
+    @property
+    def case(self) -> Case:
+        """Case of the machine, with the take-up for its chains' tension at rest."""
+        return self.block.system.case
+
+    @property
+    def history(self) -> History:
+        """History of the last accepted step, or of the start: all quantities of a run, at one time."""
+        return states.system_history(self.block.system, self.block.system.state()[None])
+
+    def place(self, point: ArrayLike) -> np.ndarray:
+        """Return a point of the car body's axes (..., 3), m, at rest in the user's frame."""
+        return np.asarray(self.position + np.asarray(point, dtype=float) @ self.axes.T)
+
+
+def tracks_of(mbs: "exu.MainSystem") -> list[CoupledTrack]:
+    """Return the tracks of a user's model, in the order of their addition."""
+    return list(mbs.variables.get(TRACKS, ()))
+
+
+def add_track(
+    mbs: "exu.MainSystem",
+    case: Case,
+    name: str = "",
+    carried_mass: float = 0.0,
+    carried_com: ArrayLike = (0.0, 0.0, 0.0),
+    replaces_upper: bool = False,
+    position: ArrayLike = (0.0, 0.0, 0.0),
+    heading: float = 0.0,
+) -> CoupledTrack:
+    """Add the machine of a case, at rest on its tracks, to a user's model before its assembly.
+
+    The machine's car body becomes a rigid body of Exudyn, on which the user's model stands. Its axes are
+    those of the side frame: x along the travel, y to the left, z up, from the middle of the machine at the
+    height of the lower rollers' axes. `exudyn_crawler.solve_dynamic` integrates the whole model.
+
+    Parameters
+    ----------
+    mbs : exudyn.MainSystem
+        The user's model.
+    case : Case
+        Case with a machine: `Case.rolled()`, `Case.closed()`, `Case.shovel()`, or that of a datasheet.
+    name : str
+        Name of the rigid body; that of the case if it is empty.
+    carried_mass : float
+        Mass that the user's model puts on the car body, kg, for the rest at the start.
+    carried_com : array_like
+        COM of this mass in the axes of the car body, m: (3,).
+    replaces_upper : bool
+        True if the user's model has the upper structure of a machine on two tracks; the car body then has
+        none, and `carried_mass` includes it.
+    position : array_like
+        Origin of the case's frame in the user's model, m: (3,).
+    heading : float
+        Direction of the case's x axis in the user's model, rad, positive to the left.
+
+    Returns
+    -------
+    CoupledTrack
+        Numbers of the car body's items, and its pose at rest, on which the user places the model.
+
+    Raises
+    ------
+    ValueError
+        If the case has no machine, or a value is not allowed.
+    EquilibriumError
+        If the machine finds no rest under the mass.
+    """
+    com = np.array(carried_com, dtype=float)
+    placement = Placement(np.array(position, dtype=float), heading)
+    rest = rest_under(case, carried_mass, com, replaces_upper)
+    block = TrackBlock(rest, placement)
+    pose = placement.pose(block.pose)
+    velocity, spin = block.velocity
+    given = rest.car_body.times(SHARE)
+    made = mbs.CreateRigidBody(
+        name or case.name,
+        referencePosition=pose.position,
+        referenceRotationMatrix=pose.axes,
+        initialVelocity=placement.turn @ velocity,
+        initialAngularVelocity=placement.turn @ spin,
+        inertia=RigidBodyInertia(given.mass, given.inertia, given.first / given.mass),
+        gravity=placement.turn @ case.gravity_vector(),
+        returnDict=True,
+    )
+    body = made["bodyNumber"] if "bodyNumber" in made else made["objectNumber"]
+    marker = mbs.AddMarker(items.MarkerBodyRigid(bodyNumber=body))
+    wrench = -placement.of_wrench @ block.wrench
+    force = mbs.AddLoad(items.LoadForceVector(markerNumber=marker, loadVector=wrench[:3]))
+    torque = mbs.AddLoad(items.LoadTorqueVector(markerNumber=marker, loadVector=wrench[3:]))
+    track = CoupledTrack(CarBody(body, made["nodeNumber"], marker, force, torque, placement), block)
+    mbs.variables.setdefault(TRACKS, []).append(track)
+    return track

@@ -1,0 +1,167 @@
+"""A user's model within a coupled step: Exudyn forms its equations, which are solved here for given motions.
+
+Exudyn multiplies the equations of motion by ``beta h^2``, so that the unknowns of its algebraic equations are
+the multipliers times that factor.
+"""
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+from scipy.sparse import csc_array
+from scipy.sparse.linalg import splu
+
+from exudyn_crawler.coupled.block import Step
+from exudyn_crawler.coupled.placement import Placement, Pose
+from exudyn_crawler.model.exudyn import exu, integrator, predict
+
+NOW = exu.ConfigurationType.Current
+INITIAL = exu.ConfigurationType.Initial
+
+
+class CarBody(NamedTuple):
+    """Exudyn's items of a car body."""
+
+    body: int
+    node: int
+    marker: int
+    force: int  # load
+    torque: int  # load
+    placement: Placement
+
+
+class UserModel:
+    """Equations of a user's model with the car bodies of tracks, in the steps of an Exudyn solver.
+
+    Attributes `jacobians` and `residuals` count how often Exudyn has formed them.
+    """
+
+    def __init__(self, mbs: "exu.MainSystem", cars: Sequence[CarBody]) -> None:
+        self.mbs = mbs
+        self._cars = cars
+        self._data: Any = mbs.systemData
+        self._rows = [np.array(self._data.GetObjectLTGODE2(car.body)) for car in cars]
+        self._references = [
+            np.array(mbs.GetNodeOutput(car.node, exu.OutputVariableType.Coordinates, exu.ConfigurationType.Reference))
+            for car in cars
+        ]
+        self._size = len(self._data.GetODE2Coordinates())
+        self.jacobians = self.residuals = 0
+        self._factors: Any = None
+        self._factored: tuple[float, ...] = ()
+        self.answers = np.zeros((0, 0))
+
+    def begin(self, solver: Any, settings: "exu.SimulationSettings", step: Step) -> None:
+        """Predict a step of the solver with constant accelerations."""
+        self._solver = solver
+        self._settings = settings
+        self._weights = step.weights
+        self._scale = step.beta * step.size**2
+        state = np.zeros((3, self._size))
+        predict(solver, self.mbs, settings, state)
+        last: Any = self._data.GetODE2Coordinates_tt(exu.ConfigurationType.StartOfStep)
+        state += np.multiply.outer(self._weights[:3], last / self._weights.acceleration)
+        self._data.GetODE2Coordinates(NOW, False)[:] = state[0]
+        self._data.GetODE2Coordinates_t(NOW, False)[:] = state[1]
+        self._data.GetODE2Coordinates_tt(NOW, False)[:] = state[2]
+
+    def residual(self, wrenches: Sequence[np.ndarray]) -> tuple[float, float]:
+        """Form the equations with wrenches (6,) on the car bodies, in the user's frame.
+
+        Return the root mean square of the equations of motion, N, and the greatest gap of the others.
+        """
+        self._load(wrenches)
+        self._solver.ComputeNewtonResidual(self.mbs, self._settings)
+        self.residuals += 1
+        self._residual = np.array(self._solver.GetSystemResidual())
+        forces = self._residual[: self._size] / self._scale
+        gaps = self._residual[self._size :]
+        return float(np.sqrt(np.mean(forces * forces))), float(np.abs(gaps).max(initial=0.0))
+
+    def _load(self, wrenches: Sequence[np.ndarray]) -> None:
+        for car, wrench in zip(self._cars, wrenches, strict=True):
+            self.mbs.SetLoadParameter(car.force, "loadVector", wrench[:3])
+            self.mbs.SetLoadParameter(car.torque, "loadVector", wrench[3:])
+
+    @property
+    def is_factored(self) -> bool:
+        """True if the factors are those of a step of this size."""
+        return self._factored == tuple(self._weights)
+
+    def factor(self) -> None:
+        """Form and factor the matrix at the last residual, and solve for unit wrenches on the car bodies."""
+        self._solver.ComputeNewtonJacobian(self.mbs, self._settings)
+        self.jacobians += 1
+        self._factors = splu(csc_array(np.array(self._solver.GetSystemJacobian())))
+        self._factored = tuple(self._weights)
+        self._turnings = [self._turning(k) for k in range(len(self._cars))]
+        unit = np.zeros((len(self._residual), 6 * len(self._cars)))
+        for k, turning in enumerate(self._turnings):
+            unit[self._rows[k], 6 * k : 6 * k + 6] = self._scale * turning.T
+        self._by_wrench = self._factors.solve(unit)
+        self.answers = self.turned(self._by_wrench)
+
+    def _turning(self, car: int) -> np.ndarray:
+        """Return the change of a car body's pose by its coordinates: array (6, 7)."""
+        a, b, c, d = (self._references[car] + self._data.GetODE2Coordinates(NOW, False)[self._rows[car]])[3:]
+        turning = np.zeros((6, 7))
+        turning[:3, :3] = np.eye(3)
+        turning[3:, 3:] = 2.0 * np.array([[-b, a, -d, c], [-c, d, a, -b], [-d, -c, b, a]])
+        return turning
+
+    def accelerations(self, wrenches: Sequence[np.ndarray], settings: "exu.SimulationSettings") -> np.ndarray:
+        """Compute the initial accelerations with wrenches on the car bodies, see `residual`.
+
+        Return those of the car bodies, linear and angular, in the user's frame: array (6 cars,).
+        """
+        self._load(wrenches)
+        solver: Any = integrator(self.mbs)
+        solver.InitializeSolver(self.mbs, settings)
+        solver.FinalizeSolver(self.mbs, settings)
+        second = np.array(self._data.GetODE2Coordinates_tt(NOW))
+        self._turnings = [self._turning(k) for k in range(len(self._cars))]
+        return self.turned(second)
+
+    def keep(self) -> None:
+        """Make the present state the initial one."""
+        for get in (
+            self._data.GetODE2Coordinates,
+            self._data.GetODE2Coordinates_t,
+            self._data.GetODE2Coordinates_tt,
+            self._data.GetAECoordinates,
+            self._data.GetDataCoordinates,
+        ):
+            get(INITIAL, False)[:] = get(NOW, False)
+
+    def turned(self, change: np.ndarray) -> np.ndarray:
+        """Return the changes of all car bodies' poses (6 cars, ...) by a change of the unknowns."""
+        return np.concatenate(
+            [turning @ change[rows] for turning, rows in zip(self._turnings, self._rows, strict=True)]
+        )
+
+    def solve(self) -> np.ndarray:
+        """Return the correction of all unknowns for the last residual, without a change of wrenches."""
+        return np.asarray(self._factors.solve(self._residual))
+
+    def correct(self, change: np.ndarray, wrenches: np.ndarray) -> None:
+        """Subtract a correction of `solve`, and add the answer to a change of all wrenches (6 cars,)."""
+        change = change - self._by_wrench @ wrenches
+        by = self._weights
+        coordinates = change[: self._size]
+        self._data.GetODE2Coordinates(NOW, False)[:] -= coordinates
+        self._data.GetODE2Coordinates_t(NOW, False)[:] -= by.velocity * coordinates
+        self._data.GetODE2Coordinates_tt(NOW, False)[:] -= by.acceleration * coordinates
+        self._data.GetAECoordinates(NOW, False)[:] -= change[self._size :] / self._scale
+
+    def pose(self, car: int) -> Pose:
+        """Return the pose of a car body in the frame of its case."""
+        values = self._references[car] + self._data.GetODE2Coordinates(NOW, False)[self._rows[car]]
+        a, b, c, d = values[3:]
+        axes = np.array(
+            [
+                [a * a + b * b - c * c - d * d, 2.0 * (b * c - a * d), 2.0 * (b * d + a * c)],
+                [2.0 * (b * c + a * d), a * a - b * b + c * c - d * d, 2.0 * (c * d - a * b)],
+                [2.0 * (b * d - a * c), 2.0 * (c * d + a * b), a * a - b * b - c * c + d * d],
+            ]
+        )
+        return self._cars[car].placement.own_pose(Pose(values[:3], axes))
