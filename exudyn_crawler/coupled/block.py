@@ -4,6 +4,7 @@ Newton's method of the track alone (`model.newton`) is taken apart here: between
 hand side and the computation of the unknowns from those of the last front, forces on the car body may change.
 """
 
+import math
 from collections.abc import Mapping
 from typing import Any, NamedTuple
 
@@ -170,7 +171,7 @@ class TrackBlock:
         out = self.system.scratch[0]
         inputs = self._loaded(self._inputs)
         equations.residual(self.system.block, self.state, self.multipliers, inputs, weights, out)
-        return float(np.sqrt(np.mean(out * out)))
+        return math.sqrt(out @ out / len(out))
 
     def reduce(self) -> bool:
         """Eliminate the track from the right-hand side of an iteration; return True if its matrix is new."""
@@ -206,19 +207,16 @@ class TrackBlock:
     def _angles(self, coordinates: np.ndarray) -> np.ndarray:
         return np.asarray(coordinates[3:] + self._reference[3:])
 
-    def pose_with(self, wrench: np.ndarray) -> Pose:
-        """Return the pose of the car body after the iteration, in the case's frame, for a wrench (6,)."""
-        coordinates = self.state[0, self._frame] - self._change[self._frame]
-        return self._pose(coordinates + self.compliance @ (wrench - self.wrench))
+    def place_with(self, wrench: np.ndarray) -> np.ndarray:
+        """Return position (m) and angles (rad) of the car body after the iteration, for a wrench (6,)."""
+        change = self._change[self._frame] - self.compliance @ (wrench - self.wrench)
+        return np.asarray(self.state[0, self._frame] - change + self._reference)
 
     @property
     def pose(self) -> Pose:
         """Pose of the car body, in the case's frame."""
-        return self._pose(self.state[0, self._frame])
-
-    def _pose(self, coordinates: np.ndarray) -> Pose:
-        angles = self._angles(coordinates)
-        return Pose(coordinates[:3] + self._reference[:3], rotation_matrices(angles[None])[0])
+        place = self.state[0, self._frame] + self._reference
+        return Pose(place[:3], rotation_matrices(place[None, 3:])[0])
 
     @property
     def velocity(self) -> tuple[np.ndarray, np.ndarray]:

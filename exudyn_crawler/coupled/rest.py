@@ -13,9 +13,9 @@ from exudyn_crawler.model.bodies import second_moment
 from exudyn_crawler.model.compiled_system import CompiledSystem
 from exudyn_crawler.run.solve import simulation
 
-SHARE = 0.5
-"""Part of the car body's mass that its Exudyn body has; the track's equations have the rest, so that each side
-has an inertia of its own. Both are locked to each other, so that no result depends on it."""
+SHARE = 0.01
+"""Part of the car body's mass that its Exudyn body has. Each side needs an inertia of its own; the less the
+body has, the more are the forces between both sides those of the user's model."""
 
 TENSOR = (0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1)
 """Places of a case's components of inertia in the tensor."""

@@ -37,8 +37,8 @@ def solve_dynamic(mbs: "exu.MainSystem", settings: "exu.SimulationSettings") -> 
 
     The first call starts from the rest of the tracks, with the accelerations that the whole model has there,
     each later one from the end of the one before. The cases of the tracks give the residual that is allowed
-    for them; their constraints and the user's are closed within 1e-11 m and rad. The function before a step
-    (`PreStepUserFunction`) is called once for each step, also for one that fails and is tried with half its
+    for them; their constraints and the user's are closed within 1e-11 m and rad. The user function before a step
+    of Exudyn is called once for each step, also for one that fails and is tried with half its
     size.
 
     Parameters
@@ -81,6 +81,8 @@ def solve_dynamic(mbs: "exu.MainSystem", settings: "exu.SimulationSettings") -> 
     if not done:
         now = mbs.systemData.GetTime()
         raise SimulationStopped(now, f"a step failed at its least size: {step.fault()}", None)
+
+
 def _check(mbs: "exu.MainSystem", settings: "exu.SimulationSettings", tracks: int) -> None:
     """Raise ValueError for a model or settings that cannot be solved with tracks."""
     if not tracks:
@@ -104,9 +106,7 @@ def _silent(settings: "exu.SimulationSettings") -> Iterator[None]:
 
 
 @contextmanager
-def _user_functions(
-    mbs: "exu.MainSystem", step: CoupledStep, waiting: Sequence[int]
-) -> Iterator[None]:
+def _user_functions(mbs: "exu.MainSystem", step: CoupledStep, waiting: Sequence[int]) -> Iterator[None]:
     """Call the user's function before a step once only, and accept a step before the function after it.
 
     Exudyn would call the first one again for a step that failed and is tried with half its size. A waiting
@@ -136,4 +136,6 @@ def _user_functions(
     finally:
         if before:
             mbs.SetPreStepUserFunction(before["function"])
-        mbs.SetPostStepUserFunction(after["function"] if after else 0)
+        # Exudyn's stub does not know that zero is none
+        no_function: Any = 0
+        mbs.SetPostStepUserFunction(after["function"] if after else no_function)

@@ -5,16 +5,18 @@ The user's model is then solved with these answers, until each of its car bodies
 will be, which is cheap beside a residual of a track. The tracks follow, and their residuals decide.
 """
 
+import math
 from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
+from scipy.linalg import block_diag
 
 from exudyn_crawler.coupled.block import Step, TrackBlock
 from exudyn_crawler.coupled.user_model import UserModel
 from exudyn_crawler.model.exudyn import exu
 
-USER_RESIDUAL = 0.05
+USER_RESIDUAL = 0.25
 """Residual of the user's equations of motion, fraction of the least one of the tracks."""
 GAP = 1e-11
 """Greatest gap of the user's constraints and between both bodies of a car body, m and rad: with gaps of 1e-9
@@ -36,9 +38,13 @@ class CoupledStep:
         self._model = model
         self._blocks = blocks
         self._limit = USER_RESIDUAL * min(block.system.case.solver.residual for block in blocks)
+        # from the cases' frames to the user's, for the wrenches and poses of all car bodies
+        self._turn = block_diag(*(block.placement.of_wrench for block in blocks))
+        self._closing: np.ndarray | None = None  # wrenches on tracks that close gaps
         self._solved: Step | None = None  # step that waits for its acceptance
-        self._failed: TrackBlock | None = None  # track that made the last step fail, None for the user's model
-        self._answer: np.ndarray | None = None  # wrenches on tracks that close gaps
+        self._failed: TrackBlock | None = (
+            None  # track that made the last step fail, None for the user's model
+        )
 
     def newton(self, solver: Any, _mbs: "exu.MainSystem", settings: "exu.SimulationSettings") -> bool:
         """Solve a step; if it fails, Exudyn calls it again with half the step."""
@@ -79,86 +85,78 @@ class CoupledStep:
         return f"track {1 + list(self._blocks).index(self._failed)}: {where}"
 
     def _solve(self) -> bool:
+        """Solve the step from its prediction; return False if the search is given up."""
         while True:
-            # all of them: a list, not the first new one
-            new = any([block.reduce() for block in self._blocks])
-            wrenches = self._meet(new)
+            for block in self._blocks:
+                if block.reduce():
+                    self._closing = None
+            wrenches = self._meet()
             if wrenches is None:
                 self._failed = None
                 return False
-            found = [block.advance(wrench) for block, wrench in zip(self._blocks, wrenches, strict=True)]
+            pairs = zip(self._blocks, wrenches.reshape(-1, 6), strict=True)
+            found = [block.advance(wrench) for block, wrench in pairs]
             if False in found:
                 self._failed = self._blocks[found.index(False)]
                 return False
             if all(found):
                 return True
 
-    def _meet(self, new: bool) -> list[np.ndarray] | None:
-        """Solve the user's model for the reduced tracks; return the wrenches on these, None if it fails."""
+    def _meet(self) -> np.ndarray | None:
+        """Solve the user's model for the reduced tracks.
+
+        Return the wrenches on the tracks (6 cars,), in the frames of their cases; None if the search fails.
+        """
         model = self._model
-        blocks = self._blocks
-        wrenches = [block.wrench for block in blocks]
-        last = np.inf
-        if new:
-            self._answer = None
+        wrenches = np.concatenate([block.wrench for block in self._blocks])
+        last = math.inf
         for iteration in range(MOST):
-            norm, gap = model.residual(self._on_user(wrenches))
-            pairs = enumerate(zip(blocks, wrenches, strict=True))
-            apart = np.concatenate([model.pose(k).gap(block.pose_with(one)) for k, (block, one) in pairs])
+            norm, gap = model.residual(-self._turn @ wrenches)
+            pairs = zip(self._blocks, wrenches.reshape(-1, 6), strict=True)
+            apart = model.gaps([block.place_with(wrench) for block, wrench in pairs])
             left = max(norm / self._limit, gap / GAP, np.abs(apart).max() / GAP)
             if left <= 1.0:
                 return wrenches
-            if not left < np.inf:
+            if not left < math.inf:
                 return None
             if not model.is_factored or (iteration > 1 and left > SLOW * last):
                 model.factor()
-                self._answer = None
+                self._closing = None
             last = left
-            if self._answer is None:
-                self._answer = np.linalg.inv(self._closed(model.answers))
-            change = model.solve()
-            changes = np.split(self._answer @ (apart - self._own(model.turned(change))), len(blocks))
-            wrenches = [wrench + one for wrench, one in zip(wrenches, changes, strict=True)]
-            model.correct(change, np.concatenate(self._on_user(changes)))
+            if self._closing is None:
+                self._closing = np.linalg.inv(self._closed(model.answers))
+            correction = model.solve()
+            change = self._closing @ (apart - model.turned(correction))
+            wrenches = wrenches + change
+            model.correct(correction, -self._turn @ change)
         return None
 
     def accelerate(self, time: float, settings: "exu.SimulationSettings") -> None:
         """Compute the initial accelerations at a time (s); all of them depend linearly on the wrenches."""
         model = self._model
-        blocks = self._blocks
-        wrenches = [block.wrench for block in blocks]
-        start = model.accelerations(self._on_user(wrenches), settings)
-        units = UNIT * np.eye(6 * len(blocks))
-        loads = np.concatenate(self._on_user(wrenches))
-        by_units = [model.accelerations(np.split(loads + unit, len(blocks)), settings) for unit in units]
-        answers = np.transpose(np.array(by_units) - start) / UNIT
-        pairs = zip(blocks, wrenches, strict=True)
-        apart = self._own(start) - np.concatenate([block.accelerate(time, one) for block, one in pairs])
-        changes = np.split(np.linalg.solve(self._closed(answers), apart), len(blocks))
-        wrenches = [wrench + change for wrench, change in zip(wrenches, changes, strict=True)]
-        for block, wrench in zip(blocks, wrenches, strict=True):
-            block.accelerate(time, wrench)
-        model.accelerations(self._on_user(wrenches), settings)
+        wrenches = np.concatenate([block.wrench for block in self._blocks])
+        loads = -self._turn @ wrenches
+        start = model.accelerations(loads, settings)
+        units = UNIT * np.eye(len(loads))
+        answers = np.array([model.accelerations(loads + unit, settings) - start for unit in units]).T / UNIT
+        apart = start - self._turn @ self._accelerations(time, wrenches)
+        wrenches += np.linalg.solve(self._closed(answers), apart)
+        self._accelerations(time, wrenches)
+        model.accelerations(-self._turn @ wrenches, settings)
         model.keep()
 
-    def _on_user(self, wrenches: Sequence[np.ndarray]) -> list[np.ndarray]:
-        """Return the wrenches on the user's car bodies, in the user's frame, by those on the tracks."""
-        return [-block.placement.of_wrench @ one for block, one in zip(self._blocks, wrenches, strict=True)]
-
-    def _own(self, poses: np.ndarray) -> np.ndarray:
-        """Turn changes of poses (6 cars, ...) from the user's frame into those of the cases."""
-        parts = np.split(poses, len(self._blocks))
-        return np.concatenate(
-            [block.placement.of_wrench.T @ part for block, part in zip(self._blocks, parts, strict=True)]
-        )
+    def _accelerations(self, time: float, wrenches: np.ndarray) -> np.ndarray:
+        """Compute the accelerations of the tracks; return those of their car bodies (6 cars,)."""
+        pairs = zip(self._blocks, wrenches.reshape(-1, 6), strict=True)
+        return np.concatenate([block.accelerate(time, wrench) for block, wrench in pairs])
 
     def _closed(self, answers: np.ndarray) -> np.ndarray:
         """Return how much gaps close per unit of the wrenches on the tracks: array (6 cars, 6 cars).
 
         `answers` are the changes of the user's poses per unit of the wrenches on them.
         """
-        closed = self._own(self._own(answers).T).T
+        closed = answers @ self._turn
         for k, block in enumerate(self._blocks):
             own = slice(6 * k, 6 * k + 6)
-            closed[own, own] += block.turning @ block.compliance
-        return closed
+            closed[own, own] += block.placement.of_wrench @ block.turning @ block.compliance
+        return np.asarray(closed)

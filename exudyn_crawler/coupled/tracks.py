@@ -1,5 +1,7 @@
 """Machines on tracks as items of a user's model of Exudyn."""
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -7,13 +9,13 @@ from exudyn_crawler.case import Case
 from exudyn_crawler.coupled.block import TrackBlock
 from exudyn_crawler.coupled.placement import Placement
 from exudyn_crawler.coupled.rest import SHARE, rest_under
-from exudyn_crawler.coupled.user_model import CarBody
-from exudyn_crawler.ground.rotations import angular_velocity
+from exudyn_crawler.coupled.user_model import CarItems
 from exudyn_crawler.model.exudyn import RigidBodyInertia, exu, items
 from exudyn_crawler.results.history import History, states
 
 TRACKS = "exudyn_crawler tracks"
-"""Name of the list of tracks in `mbs.variables`."""
+"""Name of the list of tracks in mbs.variables."""
+UNTURNED = np.eye(3)
 
 
 class CoupledTrack:
@@ -27,17 +29,20 @@ class CoupledTrack:
         Origin of the car body at rest, in the user's frame, m: array (3,).
     axes : numpy.ndarray
         Rotation matrix of the car body at rest, from its axes to the user's frame: array (3, 3).
+    velocity, angular_velocity : numpy.ndarray
+        Creep of the car body at rest, in the user's frame, m/s and rad/s: arrays (3,).
     gravity : numpy.ndarray
         Acceleration of gravity in the user's frame, m/s2: array (3,).
     """
 
-    def __init__(self, car: CarBody, block: TrackBlock) -> None:
+    def __init__(self, car: CarItems, block: TrackBlock) -> None:
         self.car = car
         self.block = block
         self.body = car.body
         self.node = car.node
         self.marker = car.marker
         self.position, self.axes = car.placement.pose(block.pose)
+        self.velocity, self.angular_velocity = (car.placement.turn @ one for one in block.velocity)
         self.gravity = car.placement.turn @ block.system.case.gravity_vector()
 
     @property
@@ -51,8 +56,24 @@ class CoupledTrack:
         return states.system_history(self.block.system, self.block.system.state()[None])
 
     def place(self, point: ArrayLike) -> np.ndarray:
-        """Return a point of the car body's axes (..., 3), m, at rest in the user's frame."""
+        """Return a point of the car body (..., 3), m in its axes, at rest in the user's frame."""
         return np.asarray(self.position + np.asarray(point, dtype=float) @ self.axes.T)
+
+    def at(self, point: ArrayLike, axes: ArrayLike = UNTURNED) -> dict[str, Any]:
+        """Return the arguments of Exudyn's CreateRigidBody for a body that rests on the car body.
+
+        They are position, attitude, gravity, and velocities: friction holds a track by a slow creep, which
+        the bodies on it share. The body's origin is at a point (3,), m, in the axes of the car body; `axes`
+        (3, 3) is its rotation matrix against these.
+        """
+        arm = self.axes @ np.asarray(point, dtype=float)
+        return {
+            "referencePosition": self.position + arm,
+            "referenceRotationMatrix": self.axes @ np.asarray(axes, dtype=float),
+            "initialVelocity": self.velocity + np.cross(self.angular_velocity, arm),
+            "initialAngularVelocity": self.angular_velocity,
+            "gravity": self.gravity,
+        }
 
 
 def tracks_of(mbs: "exu.MainSystem") -> list[CoupledTrack]:
@@ -130,6 +151,6 @@ def add_track(
     wrench = -placement.of_wrench @ block.wrench
     force = mbs.AddLoad(items.LoadForceVector(markerNumber=marker, loadVector=wrench[:3]))
     torque = mbs.AddLoad(items.LoadTorqueVector(markerNumber=marker, loadVector=wrench[3:]))
-    track = CoupledTrack(CarBody(body, made["nodeNumber"], marker, force, torque, placement), block)
+    track = CoupledTrack(CarItems(body, made["nodeNumber"], marker, force, torque, placement), block)
     mbs.variables.setdefault(TRACKS, []).append(track)
     return track

@@ -4,6 +4,7 @@ Exudyn multiplies the equations of motion by ``beta h^2``, so that the unknowns 
 the multipliers times that factor.
 """
 
+import math
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
@@ -12,14 +13,14 @@ from scipy.sparse import csc_array
 from scipy.sparse.linalg import splu
 
 from exudyn_crawler.coupled.block import Step
-from exudyn_crawler.coupled.placement import Placement, Pose
+from exudyn_crawler.coupled.placement import Placement, write_gap
 from exudyn_crawler.model.exudyn import exu, integrator, predict
 
 NOW = exu.ConfigurationType.Current
 INITIAL = exu.ConfigurationType.Initial
 
 
-class CarBody(NamedTuple):
+class CarItems(NamedTuple):
     """Exudyn's items of a car body."""
 
     body: int
@@ -36,13 +37,17 @@ class UserModel:
     Attributes `jacobians` and `residuals` count how often Exudyn has formed them.
     """
 
-    def __init__(self, mbs: "exu.MainSystem", cars: Sequence[CarBody]) -> None:
+    def __init__(self, mbs: "exu.MainSystem", cars: Sequence[CarItems]) -> None:
         self.mbs = mbs
         self._cars = cars
         self._data: Any = mbs.systemData
         self._rows = [np.array(self._data.GetObjectLTGODE2(car.body)) for car in cars]
         self._references = [
-            np.array(mbs.GetNodeOutput(car.node, exu.OutputVariableType.Coordinates, exu.ConfigurationType.Reference))
+            np.array(
+                mbs.GetNodeOutput(
+                    car.node, exu.OutputVariableType.Coordinates, exu.ConfigurationType.Reference
+                )
+            )
             for car in cars
         ]
         self._size = len(self._data.GetODE2Coordinates())
@@ -65,8 +70,8 @@ class UserModel:
         self._data.GetODE2Coordinates_t(NOW, False)[:] = state[1]
         self._data.GetODE2Coordinates_tt(NOW, False)[:] = state[2]
 
-    def residual(self, wrenches: Sequence[np.ndarray]) -> tuple[float, float]:
-        """Form the equations with wrenches (6,) on the car bodies, in the user's frame.
+    def residual(self, wrenches: np.ndarray) -> tuple[float, float]:
+        """Form the equations with the wrenches on the car bodies (6 cars,), in the user's frame.
 
         Return the root mean square of the equations of motion, N, and the greatest gap of the others.
         """
@@ -74,14 +79,15 @@ class UserModel:
         self._solver.ComputeNewtonResidual(self.mbs, self._settings)
         self.residuals += 1
         self._residual = np.array(self._solver.GetSystemResidual())
-        forces = self._residual[: self._size] / self._scale
+        forces = self._residual[: self._size]
         gaps = self._residual[self._size :]
-        return float(np.sqrt(np.mean(forces * forces))), float(np.abs(gaps).max(initial=0.0))
+        norm = math.sqrt(forces @ forces / self._size) / self._scale
+        return norm, float(np.abs(gaps).max(initial=0.0))
 
-    def _load(self, wrenches: Sequence[np.ndarray]) -> None:
-        for car, wrench in zip(self._cars, wrenches, strict=True):
-            self.mbs.SetLoadParameter(car.force, "loadVector", wrench[:3])
-            self.mbs.SetLoadParameter(car.torque, "loadVector", wrench[3:])
+    def _load(self, wrenches: np.ndarray) -> None:
+        for k, car in enumerate(self._cars):
+            self.mbs.SetLoadParameter(car.force, "loadVector", wrenches[6 * k : 6 * k + 3])
+            self.mbs.SetLoadParameter(car.torque, "loadVector", wrenches[6 * k + 3 : 6 * k + 6])
 
     @property
     def is_factored(self) -> bool:
@@ -109,7 +115,7 @@ class UserModel:
         turning[3:, 3:] = 2.0 * np.array([[-b, a, -d, c], [-c, d, a, -b], [-d, -c, b, a]])
         return turning
 
-    def accelerations(self, wrenches: Sequence[np.ndarray], settings: "exu.SimulationSettings") -> np.ndarray:
+    def accelerations(self, wrenches: np.ndarray, settings: "exu.SimulationSettings") -> np.ndarray:
         """Compute the initial accelerations with wrenches on the car bodies, see `residual`.
 
         Return those of the car bodies, linear and angular, in the user's frame: array (6 cars,).
@@ -153,15 +159,11 @@ class UserModel:
         self._data.GetODE2Coordinates_tt(NOW, False)[:] -= by.acceleration * coordinates
         self._data.GetAECoordinates(NOW, False)[:] -= change[self._size :] / self._scale
 
-    def pose(self, car: int) -> Pose:
-        """Return the pose of a car body in the frame of its case."""
-        values = self._references[car] + self._data.GetODE2Coordinates(NOW, False)[self._rows[car]]
-        a, b, c, d = values[3:]
-        axes = np.array(
-            [
-                [a * a + b * b - c * c - d * d, 2.0 * (b * c - a * d), 2.0 * (b * d + a * c)],
-                [2.0 * (b * c + a * d), a * a - b * b + c * c - d * d, 2.0 * (c * d - a * b)],
-                [2.0 * (b * d - a * c), 2.0 * (c * d + a * b), a * a - b * b - c * c + d * d],
-            ]
-        )
-        return self._cars[car].placement.own_pose(Pose(values[:3], axes))
+    def gaps(self, places: Sequence[np.ndarray]) -> np.ndarray:
+        """Return the gaps from car bodies at places (6,) in their cases to the user's: array (6 cars,)."""
+        q = self._data.GetODE2Coordinates(NOW, False)
+        out = np.empty((len(places), 6))
+        for k, (car, place) in enumerate(zip(self._cars, places, strict=True)):
+            at = car.placement
+            write_gap(self._references[k] + q[self._rows[k]], place, at.position, at.turn, out[k])
+        return out.ravel()

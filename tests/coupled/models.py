@@ -5,6 +5,7 @@ from exudyn.utilities import InertiaCuboid
 from scipy.spatial.transform import Rotation
 
 from exudyn_crawler import StepProfile, dynamic_settings
+from exudyn_crawler.coupled.tracks import UNTURNED
 from exudyn_crawler.model.exudyn import exu, items
 from tests.rolled import small_case
 
@@ -35,12 +36,9 @@ def cuboid(mass, side=1.0):
     return InertiaCuboid(mass / side**3, [side, side, side])
 
 
-def add_box(mbs, track, mass, place, side=1.0, **about):
-    """A cube at a place in the axes of the car body at rest; its number."""
-    about = {"referenceRotationMatrix": track.axes} | about
-    return mbs.CreateRigidBody(
-        inertia=cuboid(mass, side), referencePosition=track.place(place), gravity=track.gravity, **about
-    )
+def add_box(mbs, track, mass, place, side=1.0, axes=UNTURNED):
+    """A cube at a place in the axes of the car body at rest, and turned against these; its number."""
+    return mbs.CreateRigidBody(inertia=cuboid(mass, side), **track.at(place, axes))
 
 
 def add_hinge(mbs, track, bodies, place, axis):
@@ -51,9 +49,9 @@ def add_hinge(mbs, track, bodies, place, axis):
 
 def add_pendulum(mbs, track, mass, length, height, angle):
     """A pendulum on a pivot above the origin of the car body; the number of its bob."""
-    turn = track.axes @ Rotation.from_euler("y", -angle).as_matrix()
+    turn = Rotation.from_euler("y", -angle).as_matrix()
     place = [np.sin(angle) * length, 0.0, height - np.cos(angle) * length]
-    bob = add_box(mbs, track, mass, place, referenceRotationMatrix=turn)
+    bob = add_box(mbs, track, mass, place, axes=turn)
     add_hinge(mbs, track, [track.body, bob], [0.0, 0.0, height], [0, 1, 0])
     return bob
 
@@ -62,5 +60,3 @@ def add_sensor(mbs, body, quantity):
     """A sensor of a body's quantity, which stores its values."""
     kind = getattr(exu.OutputVariableType, quantity)
     return mbs.AddSensor(items.SensorBody(bodyNumber=body, outputVariableType=kind, storeInternal=True))
-
-

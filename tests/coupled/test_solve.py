@@ -7,6 +7,7 @@ from exudyn_crawler import add_track, restore_state, solve_dynamic, store_state
 from exudyn_crawler.case import Part
 from exudyn_crawler.coupled.rest import TENSOR, Mass
 from exudyn_crawler.coupled.step import CoupledStep
+from exudyn_crawler.ground.rotations import rotation_matrices
 from exudyn_crawler.model.exudyn import exu, items
 from tests.coupled.models import (
     STEP,
@@ -14,6 +15,7 @@ from tests.coupled.models import (
     add_hinge,
     add_pendulum,
     add_sensor,
+    cuboid,
     model,
     settings,
     still_case,
@@ -68,13 +70,17 @@ def test_upper_structure_is_the_same_as_mass_and_as_a_body_locked_to_the_car_bod
         track = add_track(mbs, given, carried_mass=carried, carried_com=com)
         if carried:
             body = add_box(mbs, track, mass, com, side)
-            mbs.CreateGenericJoint(itemNumbers=[track.body, body], position=track.place(com), useGlobalFrame=True)
+            mbs.CreateGenericJoint(
+                itemNumbers=[track.body, body], position=track.place(com), useGlobalFrame=True
+            )
         mbs.Assemble()
-        solve_dynamic(mbs, settings(case, 0.1))
+        solve_dynamic(mbs, settings(case, 0.02))
         motions.append(track.block.state)
-    for found, expected in zip(*motions, strict=True):
-        print(np.abs(found - expected).max() , np.abs(expected).max())
-        assert np.abs(found - expected).max() < 1e-8 * np.abs(expected).max()
+    (found, rates, _), (expected, expected_rates, _) = motions
+    assert np.abs(expected_rates).max() > 1.0
+    # small differences of the start's creep grow, as rollers pass over edges
+    assert np.abs(found - expected).max() < 1e-8
+    assert np.abs(rates - expected_rates).max() < 1e-6
 
 
 def swinging(case):
@@ -128,3 +134,112 @@ def test_step_that_failed_is_tried_again_and_no_controller_is_called_twice(monke
     for found, expected in zip(*runs, strict=True):
         np.testing.assert_allclose(found, expected, atol=1e-6)
         assert np.abs(found - expected).max() > 0.0
+
+
+def test_two_machines_pull_each_other_alike():
+    """A spring between two frames that look at each other: the same state mirrored, equal forces."""
+    case = still_case()
+    _container, mbs = model()
+    mirrored = {"position": [40.0, 0.0, 0.0], "heading": np.pi}
+    tracks = [add_track(mbs, case), add_track(mbs, case, name="other", **mirrored)]
+    hook = [1.0, 0.0, 0.5]
+    length = np.linalg.norm(tracks[0].place(hook) - tracks[1].place(hook))
+    pull = 2e5  # N
+    spring = mbs.CreateSpringDamper(
+        itemNumbers=[track.body for track in tracks],
+        localPosition0=hook,
+        localPosition1=hook,
+        referenceLength=length - 0.5,
+        stiffness=pull / 0.5,
+        damping=1e4,
+    )
+    mbs.Assemble()
+    solve_dynamic(mbs, settings(case, 0.05))
+    one, other = (track.block for track in tracks)
+    assert np.abs(one.state[0]).max() > 1e-3
+    for found, expected in zip(one.state[:2], other.state[:2], strict=True):
+        assert np.abs(found - expected).max() < 1e-9
+    assert one.wrench == pytest.approx(other.wrench, rel=1e-6, abs=0.1)
+    forces = [mbs.GetLoad(track.car.force)["loadVector"] for track in tracks]
+    assert forces[0][0] == pytest.approx(-forces[1][0], rel=1e-6)
+    # what is missing moves Exudyn's part of the car body
+    force = mbs.GetObjectOutput(spring, exu.OutputVariableType.Force)
+    assert -forces[0][0] == pytest.approx(force[0], rel=0.02)
+    assert force[0] > 0.4 * pull
+
+
+def test_falling_mass_gives_its_momentum_to_the_ground():
+    """A mass falls onto a spring of the car body; impulses of ground and weight change the momentum."""
+    case = still_case()
+    _container, mbs = model()
+    track = add_track(mbs, case)
+    mass, height, radius = 10e3, 2.0, 0.1
+    body = add_box(mbs, track, mass, [0.5, 0.0, height])
+    mbs.CreateCartesianSpringDamper(
+        itemNumbers=[track.body, body],
+        localPosition0=[0.5, 0.0, height - radius],
+        stiffness=[0.0, 0.0, 2e6],
+        damping=[0.0, 0.0, 2e4],
+    )
+    mbs.Assemble()
+    rows = []
+    mbs.SetPostStepUserFunction(lambda *_: rows.append((track.history, speed(mbs, body)[2])) is None)
+    solve_dynamic(mbs, settings(case, 0.06))
+    carried = [row.dataset.isel(time=0) for row, _ in rows]
+    forces = [row.contacts_by_shoe().contact_force.isel(time=0) for row, _ in rows]
+    ground = np.array([one.sel(axis="z").sum() for one in forces])
+    momentum = np.array(
+        [
+            case.gear.mass * at_com(one, case.gear.com)[2]
+            + case.shoe.mass * one.velocity.sel(axis="z").sum()
+            + mass * v
+            for one, (_, v) in zip(carried, rows, strict=True)
+        ]
+    )
+    weight = (case.gear.mass + case.track.shoe_count * case.shoe.mass + mass) * np.linalg.norm(track.gravity)
+    given = STEP * (0.5 * (ground[1:] + ground[:-1]) - weight).sum()
+    assert abs(momentum[-1] - momentum[0]) > 2e3
+    assert momentum[-1] - momentum[0] == pytest.approx(given, rel=1e-3)
+
+
+def speed(mbs, body):
+    """Velocity of a body's origin."""
+    return mbs.GetObjectOutputBody(body, exu.OutputVariableType.Velocity, [0.0, 0.0, 0.0])
+
+
+def at_com(motion, com):
+    """Velocity of the frame's COM by its motion in a history."""
+    turn = rotation_matrices(motion.side_frame_angles.values[None])[0]
+    return motion.side_frame_velocity.values + np.cross(motion.side_frame_angular_velocity.values, turn @ com)
+
+
+def test_boom_that_slews_at_a_constant_rate_pulls_by_its_centripetal_force():
+    """About a vertical axis; its weight and pull, and their moments, turn with it; no torque slews it."""
+    case = still_case()
+    _container, mbs = model()
+    mass, arm, height, rate = 2e3, 4.0, 2.0, 1.0
+    track = add_track(mbs, case, carried_mass=mass, carried_com=(arm, 0.0, height))
+    up = track.axes.T @ [0.0, 0.0, 1.0]
+    ahead = np.cross([0.0, 1.0, 0.0], up)
+    about = track.at(arm * ahead + height * up)
+    about["initialVelocity"] = about["initialVelocity"] + [0.0, arm * rate, 0.0]
+    about["initialAngularVelocity"] = about["initialAngularVelocity"] + [0.0, 0.0, rate]
+    boom = mbs.CreateRigidBody(inertia=cuboid(mass, 0.2), **about)
+    add_hinge(mbs, track, [track.body, boom], height * up, up)
+    mbs.Assemble()
+    solve_dynamic(mbs, settings(case, 0.3))
+    kind = exu.OutputVariableType
+    place, spin = (mbs.GetObjectOutputBody(boom, k, [0, 0, 0]) for k in (kind.Position, kind.AngularVelocity))
+    assert spin[2] == pytest.approx(rate, rel=5e-3)
+    arms = place - mbs.GetObjectOutputBody(track.body, kind.Position, height * up)
+    origin = mbs.GetObjectOutputBody(track.body, kind.Position, [0, 0, 0])
+    assert np.arctan2(arms[1], arms[0]) == pytest.approx(0.3 * rate, rel=2e-3)
+    pull = mass * (track.gravity + rate**2 * arms)
+    # beside the weight of the car body's part that is Exudyn's
+    own = mbs.GetObject(track.body)
+    weight = own["mass"] * track.gravity
+    center = mbs.GetObjectOutputBody(track.body, kind.Position, own["centerOfMass"])
+    force, torque = np.split(track.block.wrench, 2)
+    assert force - weight == pytest.approx(pull, abs=0.02 * np.linalg.norm(pull[:2]))
+    moment = np.cross(place - origin, pull) + np.cross(center - origin, weight)
+    assert torque == pytest.approx(moment, abs=1e-2 * mass * 9.81 * arm)
