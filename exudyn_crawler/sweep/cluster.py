@@ -4,6 +4,8 @@ import asyncio
 import json
 import logging
 import os
+import subprocess
+import sys
 import time
 import warnings
 from collections.abc import Callable, Generator, Iterator
@@ -11,17 +13,16 @@ from concurrent.futures import Future
 from contextlib import contextmanager
 from dataclasses import replace
 from itertools import islice
-from multiprocessing import spawn
 from pathlib import Path
 from queue import Empty, SimpleQueue
 from threading import Lock, Thread
 from typing import Any, TypeAlias
-from unittest.mock import patch
 
 import dask
 import distributed
 
 from exudyn_crawler.errors import GOES_ON, CrawlerError
+from exudyn_crawler.sweep import with_parent
 from exudyn_crawler.sweep.worker import (
     Outcome,
     Task,
@@ -71,22 +72,31 @@ def connected(
 @contextmanager
 def _local(workers: int | None) -> Iterator[distributed.Client]:
     count = workers or os.cpu_count() or 1
-    environment = dask.config.get("distributed.nanny.pre-spawn-environ") | {"NUMBA_NUM_THREADS": 1}
     with (
-        # Dask also sets the environment of its workers in this process, which would then have one thread
-        patch.dict(os.environ),
-        # workers need nothing of the calling script: without a main guard, it would start a sweep in each
-        patch.object(spawn, "get_preparation_data", _without_script(spawn.get_preparation_data)),
-        dask.config.set({"distributed.nanny.pre-spawn-environ": environment}),
         _scheduler() as cluster,
+        _workers(cluster.scheduler_address, count),
         distributed.Client(cluster, set_as_default=False) as client,
     ):
-        cluster.scale(count)
         try:
             client.wait_for_workers(1, timeout=START_WAIT)
         except TimeoutError as error:
             raise OSError(f"no process of {count} has started within {START_WAIT:g} s") from error
         yield client
+
+
+@contextmanager
+def _workers(address: str, count: int) -> Iterator[None]:
+    """Have workers of one thread on this machine, by Dask's command: they import nothing of a user's script.
+
+    Raises OSError if the command cannot be started.
+    """
+    command = [sys.executable, "-m", "distributed.cli.dask_worker", address, "--no-dashboard"]
+    command += ["--nworkers", str(count), "--nthreads", "1", "--preload-nanny", with_parent.__name__]
+    environment = os.environ | {"NUMBA_NUM_THREADS": "1", "DASK_LOGGING__DISTRIBUTED": "critical"}
+    environment["PYTHONPATH"] = os.pathsep.join(sys.path)  # what the script can import, its tasks can, too
+    # a session of its own: Ctrl-C is for the sweep, which ends its workers
+    with subprocess.Popen(command, stdin=subprocess.PIPE, env=environment, start_new_session=True):
+        yield
 
 
 @contextmanager
@@ -111,15 +121,6 @@ def _scheduler() -> Iterator[distributed.LocalCluster]:
         raise
     with cluster:
         yield cluster
-
-
-def _without_script(data_of: Callable[[str], dict[str, Any]]) -> Callable[[str], dict[str, Any]]:
-    """Return the preparation of a spawned process without the import of the main module."""
-
-    def data(name: str) -> dict[str, Any]:
-        return {key: value for key, value in data_of(name).items() if not key.startswith("init_main")}
-
-    return data
 
 
 @contextmanager

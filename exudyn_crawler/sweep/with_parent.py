@@ -1,0 +1,19 @@
+"""Dask loads this module in a process of workers: it ends them as soon as the sweep that began them has ended.
+
+Also if the sweep was killed: its end of the pipe to the process then closes.
+"""
+
+import os
+import signal
+import sys
+from threading import Thread
+
+
+def dask_setup(_nanny: object) -> None:
+    """Watch the pipe; Dask calls this for every worker of the process."""
+    Thread(target=_end_with_parent, daemon=True).start()
+
+
+def _end_with_parent() -> None:
+    sys.stdin.buffer.read()
+    os.kill(os.getpid(), signal.SIGTERM)
