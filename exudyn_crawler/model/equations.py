@@ -19,7 +19,7 @@ from exudyn_crawler.model import bodies, elimination, kinds, terrain
 from exudyn_crawler.model.bodies import Bodies, add_bodies, add_body, attitude_of, write_angles
 from exudyn_crawler.model.forces import loads
 from exudyn_crawler.model.inputs import Inputs
-from exudyn_crawler.model.rows import ACTED_ON, STIFFNESS, JointRows, gap_rate
+from exudyn_crawler.model.rows import ACTED_ON, STIFFNESS, JointRows, Motion, gap_rate
 from exudyn_crawler.model.tables import FrontRows, read_system
 
 
@@ -104,7 +104,8 @@ def residual(
     add_bodies(bodies, tables.modes, state, inputs.gravity, inertias, rows, tensor, out)
     terrain.add_terrain(tables.terrain, state, inputs.gravity[2], on_terrain, out)
     loads.add_loads(bodies, markers, tables.loads, inputs.loads, inputs.shift, state, out)
-    kinds.write_joints(tables.joints, bodies, markers, state, multipliers, inputs, weights, work.joints)
+    motion = Motion(state, multipliers, inputs, weights)
+    kinds.write_joints(tables.joints, bodies, markers, motion, work.joints)
     _add_joints(bodies, work.joints, state, multipliers, out)
 
 

@@ -26,7 +26,7 @@ from exudyn_crawler.model.joints.pin import Pins
 from exudyn_crawler.model.joints.pull import Pull
 from exudyn_crawler.model.joints.recoil import Recoils
 from exudyn_crawler.model.markers import Markers
-from exudyn_crawler.model.rows import JointRows
+from exudyn_crawler.model.rows import JointRows, Motion
 from exudyn_crawler.model.terrain import TerrainTable
 
 
@@ -83,23 +83,14 @@ class ForceWork(NamedTuple):
 
 
 @inlined
-def write_joints(
-    joints: Joints,
-    bodies: Bodies,
-    markers: Markers,
-    state: FloatArray,
-    multipliers: FloatArray,
-    inputs: Inputs,
-    weights: Weights,
-    rows: JointRows,
-) -> None:
-    """Write the rows of all joints at coordinates, rates and accelerations (3, coordinates)."""
-    pin.write_rows(joints.pins, bodies, markers, state, multipliers, inputs, weights, rows)
-    drive.write_rows(joints.drive, bodies, markers, state, multipliers, inputs, weights, rows)
-    pull.write_rows(joints.pull, bodies, markers, state, multipliers, inputs, weights, rows)
-    hold.write_rows(joints.holds, bodies, markers, state, multipliers, inputs, weights, rows)
-    motor.write_rows(joints.motors, bodies, markers, state, multipliers, inputs, weights, rows)
-    recoil.write_rows(joints.recoils, bodies, markers, state, multipliers, inputs, weights, rows)
+def write_joints(joints: Joints, bodies: Bodies, markers: Markers, motion: Motion, rows: JointRows) -> None:
+    """Write the rows of all joints."""
+    pin.write_rows(joints.pins, bodies, markers, motion, rows)
+    drive.write_rows(joints.drive, bodies, markers, motion, rows)
+    pull.write_rows(joints.pull, bodies, markers, motion, rows)
+    hold.write_rows(joints.holds, bodies, markers, motion, rows)
+    motor.write_rows(joints.motors, bodies, markers, motion, rows)
+    recoil.write_rows(joints.recoils, bodies, markers, motion, rows)
 
 
 @inlined

@@ -10,7 +10,9 @@ import numpy as np
 
 from exudyn_crawler.ground.compiled import inner
 from exudyn_crawler.ground.packed import FloatArray, Floats1, Floats2, Floats3, Floats4, Ints1, Ints2
+from exudyn_crawler.ground.rows import Weights
 from exudyn_crawler.model.bodies import Bodies
+from exudyn_crawler.model.inputs import Inputs
 
 STIFFNESS = 1e9
 """Factor (N/m and N m/rad) from a gap of a constraint to a residual comparable with forces: about the force
@@ -21,6 +23,15 @@ ALONG_JACOBIAN = -1
 
 ACTED_ON = 3
 """Largest number of bodies on which the multiplier of a row of directions acts."""
+
+
+class Motion(NamedTuple):
+    """What a joint may depend on, beside its bodies: state, its own forces, and what is prescribed."""
+
+    state: FloatArray  # (3, coordinates): coordinates, rates and accelerations
+    multipliers: FloatArray  # (rows,): of all joints, N and N m
+    inputs: Inputs
+    weights: Weights
 
 
 class JointRows(NamedTuple):

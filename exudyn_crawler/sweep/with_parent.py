@@ -1,4 +1,4 @@
-"""Dask loads this module in a process of workers: it ends them as soon as the sweep that began them has ended.
+"""Dask loads this module in a process of workers: it ends them when the sweep that began them has ended.
 
 Also if the sweep was killed: its end of the pipe to the process then closes.
 """

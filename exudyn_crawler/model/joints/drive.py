@@ -4,12 +4,10 @@ from typing import NamedTuple
 
 from exudyn_crawler.ground.compiled import inner
 from exudyn_crawler.ground.frames import turned, upward
-from exudyn_crawler.ground.packed import FloatArray
 from exudyn_crawler.ground.rows import Weights
 from exudyn_crawler.model.bodies import Bodies, attitude_of, read_body
-from exudyn_crawler.model.inputs import Inputs
 from exudyn_crawler.model.markers import NOTHING, Markers, direction, end_of
-from exudyn_crawler.model.rows import ALONG_JACOBIAN, STIFFNESS, JointRows
+from exudyn_crawler.model.rows import ALONG_JACOBIAN, STIFFNESS, JointRows, Motion
 
 
 class Speeds(NamedTuple):
@@ -45,22 +43,13 @@ def write_speed(row: int, speed: float, acts: bool, body: int, weights: Weights,
 
 
 @inner
-def write_rows(
-    drive: Speeds,
-    bodies: Bodies,
-    markers: Markers,
-    state: FloatArray,
-    multipliers: FloatArray,
-    inputs: Inputs,
-    weights: Weights,
-    rows: JointRows,
-) -> None:
+def write_rows(drive: Speeds, bodies: Bodies, markers: Markers, motion: Motion, rows: JointRows) -> None:
     """Write the rows of both speeds."""
     for k in range(2):
         row = drive.first + k
         body = markers.body[drive.marker] if k == 0 else drive.turning
-        read_body(bodies, body, state[0], rows.scratch[0])
-        read_body(bodies, body, state[1], rows.scratch[1])
+        read_body(bodies, body, motion.state[0], rows.scratch[0])
+        read_body(bodies, body, motion.state[1], rows.scratch[1])
         attitude = attitude_of(bodies, body)
         jacobian = rows.jacobian[row, 0]
         if k == 0:
@@ -70,4 +59,4 @@ def write_rows(
             about = turned(attitude.axes, upward(attitude.R))
             for c in range(3):
                 jacobian[3 + c] = about[c]
-        write_speed(row, inputs.speeds[k], inputs.active[k] > 0.0, body, weights, rows)
+        write_speed(row, motion.inputs.speeds[k], motion.inputs.active[k] > 0.0, body, motion.weights, rows)

@@ -3,12 +3,10 @@
 from typing import NamedTuple
 
 from exudyn_crawler.ground.compiled import inner
-from exudyn_crawler.ground.packed import FloatArray, Ints2
-from exudyn_crawler.ground.rows import Weights
+from exudyn_crawler.ground.packed import Ints2
 from exudyn_crawler.model.bodies import Bodies
-from exudyn_crawler.model.inputs import Inputs
 from exudyn_crawler.model.markers import Markers
-from exudyn_crawler.model.rows import ALONG_JACOBIAN, STIFFNESS, JointRows
+from exudyn_crawler.model.rows import ALONG_JACOBIAN, STIFFNESS, JointRows, Motion
 
 
 class Held(NamedTuple):
@@ -19,16 +17,7 @@ class Held(NamedTuple):
 
 
 @inner
-def write_rows(
-    holds: Held,
-    bodies: Bodies,
-    markers: Markers,
-    state: FloatArray,
-    multipliers: FloatArray,
-    inputs: Inputs,
-    weights: Weights,
-    rows: JointRows,
-) -> None:
+def write_rows(holds: Held, bodies: Bodies, markers: Markers, motion: Motion, rows: JointRows) -> None:
     """Write the rows of all holds."""
     for k in range(holds.coordinates.shape[0]):
         row = holds.first + k
@@ -36,7 +25,7 @@ def write_rows(
         coordinate = holds.coordinates[k, 1]
         rows.bodies[row, 0] = body
         rows.bodies[row, 1] = -1
-        rows.gap[row] = state[0, bodies.coordinate[body] + coordinate]
+        rows.gap[row] = motion.state[0, bodies.coordinate[body] + coordinate]
         rows.jacobian[row, 0].fill(0.0)
         rows.jacobian[row, 0, coordinate] = 1.0
         rows.scale[row] = STIFFNESS

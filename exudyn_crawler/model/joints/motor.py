@@ -7,12 +7,10 @@ import numpy as np
 
 from exudyn_crawler.ground.compiled import inner
 from exudyn_crawler.ground.frames import dot
-from exudyn_crawler.ground.packed import FloatArray, Floats1, Ints2
-from exudyn_crawler.ground.rows import Weights
+from exudyn_crawler.ground.packed import Floats1, Ints2
 from exudyn_crawler.model.bodies import Bodies, attitude_of
-from exudyn_crawler.model.inputs import Inputs
 from exudyn_crawler.model.markers import Markers
-from exudyn_crawler.model.rows import ALONG_JACOBIAN, STIFFNESS, JointRows
+from exudyn_crawler.model.rows import ALONG_JACOBIAN, STIFFNESS, JointRows, Motion
 
 
 class Motors(NamedTuple):
@@ -36,16 +34,7 @@ def torque(limit: float, width: float, lag: float) -> tuple[float, float]:
 
 
 @inner
-def write_rows(
-    motors: Motors,
-    bodies: Bodies,
-    markers: Markers,
-    state: FloatArray,
-    multipliers: FloatArray,
-    inputs: Inputs,
-    weights: Weights,
-    rows: JointRows,
-) -> None:
+def write_rows(motors: Motors, bodies: Bodies, markers: Markers, motion: Motion, rows: JointRows) -> None:
     """Write the rows of all motors; the Jacobian has the angles' axes projected on the tumbler's."""
     for k in range(motors.bodies.shape[0]):
         row = motors.first + k
@@ -59,19 +48,19 @@ def write_rows(
             for c in range(3):
                 by_angle = sign * dot(attitude.axes[c], axis)
                 rows.jacobian[row, side, 3 + c] = by_angle
-                speed += by_angle * state[1, bodies.coordinate[b] + 3 + c]
-        lag = inputs.motors[k] - speed
+                speed += by_angle * motion.state[1, bodies.coordinate[b] + 3 + c]
+        lag = motion.inputs.motors[k] - speed
         rows.relaxation[row] = 0.0
         rows.directed[row] = ALONG_JACOBIAN
         if motors.limit[k] < np.inf:
             moment, slope = torque(motors.limit[k], motors.lag[k], lag)
             rows.gap[row] = moment
             rows.scale[row] = 1.0
-            rows.slope[row] = -weights.velocity * slope
+            rows.slope[row] = -motion.weights.velocity * slope
             rows.share[row] = 1.0
         else:
-            level = STIFFNESS * weights.level
+            level = STIFFNESS * motion.weights.level
             rows.gap[row] = -lag
             rows.scale[row] = level
-            rows.slope[row] = level * (weights.velocity if weights.velocity != 0.0 else 1.0)
+            rows.slope[row] = level * (motion.weights.velocity if motion.weights.velocity != 0.0 else 1.0)
             rows.share[row] = 0.0

@@ -7,11 +7,9 @@ from exudyn_crawler.ground.compiled import inner
 from exudyn_crawler.ground.frames import Vector, along, basis, cross, dot, turned
 from exudyn_crawler.ground.packed import FloatArray, Floats2, Ints2
 from exudyn_crawler.ground.rotations import Attitude
-from exudyn_crawler.ground.rows import Weights
 from exudyn_crawler.model.bodies import Bodies, attitude_of, read_body
-from exudyn_crawler.model.inputs import Inputs
 from exudyn_crawler.model.markers import NOTHING, Markers, axis_of, direction, end_of
-from exudyn_crawler.model.rows import ALONG_JACOBIAN, STIFFNESS, JointRows
+from exudyn_crawler.model.rows import ALONG_JACOBIAN, STIFFNESS, JointRows, Motion
 
 ROWS = 5
 """Number of equations of a pin: its position, and its axis y across the axes x and z of the shoe in front."""
@@ -75,16 +73,7 @@ def _write_rigid(
 
 
 @inner
-def write_rows(
-    pins: Pins,
-    bodies: Bodies,
-    markers: Markers,
-    state: FloatArray,
-    multipliers: FloatArray,
-    inputs: Inputs,
-    weights: Weights,
-    rows: JointRows,
-) -> None:
+def write_rows(pins: Pins, bodies: Bodies, markers: Markers, motion: Motion, rows: JointRows) -> None:
     """Write the rows of all pins, and the rotation of their forces' moments if the weights ask for it."""
     behind_row = rows.scratch[0]
     ahead_row = rows.scratch[1]
@@ -92,8 +81,8 @@ def write_rows(
         rear = pins.markers[p, 0]
         front = pins.markers[p, 1]
         a, b = markers.body[rear], markers.body[front]
-        read_body(bodies, a, state[0], behind_row)
-        read_body(bodies, b, state[0], ahead_row)
+        read_body(bodies, a, motion.state[0], behind_row)
+        read_body(bodies, b, motion.state[0], ahead_row)
         at_a = attitude_of(bodies, a)
         at_b = attitude_of(bodies, b)
         reference = bodies.reference
@@ -132,8 +121,8 @@ def write_rows(
                 moment = cross(axis, across)
             direction(markers, rear, behind, at_a, force, moment, -1.0, jacobian[r, 0])
             direction(markers, front, ahead, at_b, force, moment, 1.0, jacobian[r, 1])
-    if weights.position != 0.0:
-        _write_turning(pins, bodies, markers, state, multipliers, rows)
+    if motion.weights.position != 0.0:
+        _write_turning(pins, bodies, markers, motion.state, motion.multipliers, rows)
 
 
 @inner

@@ -10,12 +10,10 @@ from typing import NamedTuple
 
 from exudyn_crawler.ground.compiled import inner
 from exudyn_crawler.ground.frames import along, cross, turned
-from exudyn_crawler.ground.packed import FloatArray, Ints1
-from exudyn_crawler.ground.rows import Weights
+from exudyn_crawler.ground.packed import Ints1
 from exudyn_crawler.model.bodies import Bodies, attitude_of, frame_of, read_body
-from exudyn_crawler.model.inputs import Inputs
 from exudyn_crawler.model.markers import NOTHING, Markers, direction, end_of
-from exudyn_crawler.model.rows import JointRows
+from exudyn_crawler.model.rows import JointRows, Motion
 
 FORWARD = (1.0, 0.0, 0.0)
 
@@ -32,16 +30,7 @@ class Pull(NamedTuple):
 
 
 @inner
-def write_rows(
-    pull: Pull,
-    bodies: Bodies,
-    markers: Markers,
-    state: FloatArray,
-    multipliers: FloatArray,
-    inputs: Inputs,
-    weights: Weights,
-    rows: JointRows,
-) -> None:
+def write_rows(pull: Pull, bodies: Bodies, markers: Markers, motion: Motion, rows: JointRows) -> None:
     """Direct the multiplier of the frame's speed, whose row is written, at the frame and two shoes."""
     if pull.markers.shape[0] == 0:
         return
@@ -49,8 +38,8 @@ def write_rows(
     acted_on = rows.acted_on[0]
     directions = rows.directions[0]
     attitude = attitude_of(bodies, pull.frame)
-    frame = frame_of(bodies, pull.frame, state, attitude)
-    first = bodies.reference[0, 0] + state[0, bodies.coordinate[0]]
+    frame = frame_of(bodies, pull.frame, motion.state, attitude)
+    first = bodies.reference[0, 0] + motion.state[0, bodies.coordinate[0]]
     behind = (frame.r[0] + pull.tumbler - first - pull.ahead) / pull.pitch
     link = min(max(math.floor(behind), 0), pull.markers.shape[0] - 3)
     part = min(max(behind - link, 0.0), 1.0)
@@ -62,10 +51,10 @@ def write_rows(
         marker = pull.markers[link + k]
         row = directions[1 + k]
         share = 1.0 - part if k == 0 else part
-        read_body(bodies, shoe, state[0], row)
+        read_body(bodies, shoe, motion.state[0], row)
         shoe_at = attitude_of(bodies, shoe)
         end = end_of(markers, marker, shoe_at, row)
-        origin = frame_of(bodies, shoe, state, shoe_at).r
+        origin = frame_of(bodies, shoe, motion.state, shoe_at).r
         arm = along(along(origin, 1.0, end.lever), -1.0, frame.r)
         turning = turned(attitude.axes, cross(arm, FORWARD))
         for c in range(3):

@@ -3,12 +3,10 @@
 from typing import NamedTuple
 
 from exudyn_crawler.ground.compiled import inner
-from exudyn_crawler.ground.packed import FloatArray, Floats1, Ints1
-from exudyn_crawler.ground.rows import Weights
+from exudyn_crawler.ground.packed import Floats1, Ints1
 from exudyn_crawler.model.bodies import Bodies
-from exudyn_crawler.model.inputs import Inputs
 from exudyn_crawler.model.markers import Markers
-from exudyn_crawler.model.rows import JointRows
+from exudyn_crawler.model.rows import JointRows, Motion
 
 
 class Recoils(NamedTuple):
@@ -28,21 +26,12 @@ class Recoils(NamedTuple):
 
 
 @inner
-def write_rows(
-    recoils: Recoils,
-    bodies: Bodies,
-    markers: Markers,
-    state: FloatArray,
-    multipliers: FloatArray,
-    inputs: Inputs,
-    weights: Weights,
-    rows: JointRows,
-) -> None:
+def write_rows(recoils: Recoils, bodies: Bodies, markers: Markers, motion: Motion, rows: JointRows) -> None:
     """Turn the written rows of springs at a stop into those of stops."""
     for k in range(recoils.rows.shape[0]):
         row = recoils.rows[k]
         # the multiplier is the push with the other sign
-        way = recoils.compliance[k] * (-multipliers[row] - recoils.preload[k])
+        way = recoils.compliance[k] * (-motion.multipliers[row] - recoils.preload[k])
         if 0.0 < way < recoils.stroke[k]:
             continue
         rows.gap[row] += recoils.preload[k] * recoils.compliance[k]
