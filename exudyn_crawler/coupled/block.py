@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from exudyn_crawler.coupled.commands import Commands
 from exudyn_crawler.coupled.placement import Placement, Pose
 from exudyn_crawler.coupled.rest import Rest
 from exudyn_crawler.ground.rotations import angular_velocity, moments_on_angles, rotation_matrices
@@ -20,7 +21,7 @@ from exudyn_crawler.model.diagnostics import NewtonError
 from exudyn_crawler.model.inputs import Inputs
 
 STATE, WRENCH = "state", "wrench"
-"""Names of a stored track's arrays beside those of its ground's memory."""
+"""Names of a stored track's arrays beside its commands and the memory of its ground."""
 
 
 class Step(NamedTuple):
@@ -75,6 +76,7 @@ class TrackBlock:
         self._keeps_matrix = self.system.case.terrain.model in KEEPS_MATRIX[self.system.case.gear.kind]
         self._change = np.zeros_like(self.system.scratch[0])
         self.wrench = rest.wrench.copy()
+        self.commands = Commands(self.system)
         self._take_over()
 
     def _take_over(self) -> None:
@@ -92,7 +94,7 @@ class TrackBlock:
         then their change per unit of the wrench.
         """
         self.wrench = wrench
-        self.system.accelerate(self._loaded(self.system.inputs(time)))
+        self.system.accelerate(self._loaded(self.commands.applied(self.system.inputs(time))))
         self._take_over()
         self._write_answers()
         # the car body hardly turns at rest: the products of its rates are left out
@@ -105,16 +107,18 @@ class TrackBlock:
     def stored(self) -> dict[str, np.ndarray]:
         """Return the last accepted state as arrays by name."""
         own = {STATE: self.system.state(), WRENCH: self._accepted_wrench.copy()}
-        return own | {name: np.array(values) for name, values in self.system.memory().items()}
+        memory = {name: np.array(values) for name, values in self.system.memory().items()}
+        return own | self.commands.stored() | memory
 
     def restore(self, stored: Mapping[str, np.ndarray]) -> None:
         """Start from a stored state."""
-        memory = {name: values for name, values in stored.items() if name not in (STATE, WRENCH)}
+        memory = {name: stored[name] for name in self.system.memory()}
         row = stored[STATE]
         self.system.set_state(row, memory)
         data: Any = self.system.mbs.systemData
         data.SetTime(float(self.system.layout.part(row, "time")))
         self.wrench = stored[WRENCH].copy()
+        self.commands.restore(stored)
         self.has_moved = True
         self._take_over()
 
@@ -138,7 +142,7 @@ class TrackBlock:
         if factored or self.system.cells is not None:
             # as `CompiledSystem` begins a step
             self.state += np.multiply.outer(weights[:3], q_tt / weights.acceleration)
-        self._inputs = self.system.inputs(step.end)
+        self._inputs = self.commands.applied(self.system.inputs(step.end))
         return self._search(factored)
 
     def resume(self) -> bool:

@@ -35,7 +35,9 @@ class CoupledTrack:
         Acceleration of gravity in the user's frame, m/s2: array (3,).
     """
 
-    def __init__(self, car: CarItems, block: TrackBlock) -> None:
+    def __init__(self, mbs: "exu.MainSystem", car: CarItems, block: TrackBlock) -> None:
+        self._mbs = mbs
+        self._history: tuple[np.ndarray, History] | None = None
         self.car = car
         self.block = block
         self.body = car.body
@@ -50,10 +52,47 @@ class CoupledTrack:
         """Case of the machine, with the take-up for its chains' tension at rest."""
         return self.block.system.case
 
+    def set_speeds(self, speeds: ArrayLike) -> None:
+        """Command the speed of each track, m/s, right and left, from the next step on; see `set_torques`."""
+        self.block.commands.speeds(speeds)
+
+    def set_torques(self, torques: ArrayLike) -> None:
+        """Command the torque of each tumbler's motor, N m, right and left, from the next step on.
+
+        A controller does this in the user function of Exudyn before a step (SetPreStepUserFunction). A
+        command stays until the next one; it replaces the drive of the case. ValueError for another number of
+        values than of tracks, or for torques of a track without motors.
+        """
+        self.block.commands.torques(torques)
+
     @property
     def history(self) -> History:
-        """History of the last accepted step, or of the start: all quantities of a run, at one time."""
-        return states.system_history(self.block.system, self.block.system.state()[None])
+        """History of the last step, or of the start: all quantities of a run, at one time."""
+        row = self.block.system.state()
+        if self._history is None or not np.array_equal(row, self._history[0]):
+            self._history = row, states.system_history(self.block.system, row[None])
+        return self._history[1]
+
+    def add_sensor(self, quantity: str, name: str = "", **place: Any) -> int:
+        """Add a sensor of a quantity of the track, whose values Exudyn stores; return its number.
+
+        `quantity` is one of the catalogue, such as "link_tension", "contact_force" or "drive_moment"; `place`
+        selects among its dimensions, ``shoe=5, axis="z"``; contacts are summed by shoe. The values are in the
+        frame of the case. ValueError for a quantity that the case does not have.
+        """
+
+        def values(*_: object) -> list[float]:
+            found = self.history.quantity(quantity)
+            if "contact" in found.dims:
+                found = self.history.contacts_by_shoe()[quantity]
+            return np.ravel(found.isel(time=0).sel(**place)).tolist()
+
+        values()  # refuses a wrong name before the run
+        return self._mbs.AddSensor(
+            items.SensorUserFunction(
+                name=name, sensorNumbers=[], factors=[], storeInternal=True, sensorUserFunction=values
+            )
+        )
 
     def place(self, point: ArrayLike) -> np.ndarray:
         """Return a point of the car body (..., 3), m in its axes, at rest in the user's frame."""
@@ -151,6 +190,6 @@ def add_track(
     wrench = -placement.of_wrench @ block.wrench
     force = mbs.AddLoad(items.LoadForceVector(markerNumber=marker, loadVector=wrench[:3]))
     torque = mbs.AddLoad(items.LoadTorqueVector(markerNumber=marker, loadVector=wrench[3:]))
-    track = CoupledTrack(CarItems(body, made["nodeNumber"], marker, force, torque, placement), block)
+    track = CoupledTrack(mbs, CarItems(body, made["nodeNumber"], marker, force, torque, placement), block)
     mbs.variables.setdefault(TRACKS, []).append(track)
     return track

@@ -1,0 +1,64 @@
+"""A track as items of a user's model: its commands, sensors and refusals."""
+
+import numpy as np
+import pytest
+
+from exudyn_crawler import Case, add_track, solve_dynamic
+from exudyn_crawler.errors import SimulationStopped
+from exudyn_crawler.model.exudyn import exu
+from tests.coupled.models import model, settings, still_case
+from tests.rolled import small_case
+
+pytestmark = pytest.mark.simulation
+
+
+def test_controller_drives_a_track_and_sensors_store_its_forces():
+    case = still_case()
+    _container, mbs = model()
+    track = add_track(mbs, case)
+    force = track.add_sensor("contact_force", shoe=5, axis="z")
+    mbs.Assemble()
+    mbs.SetPreStepUserFunction(lambda _mbs, time: track.set_speeds(0.5 * min(time, 0.04)) is None)
+    solve_dynamic(mbs, settings(case, 0.06))
+    assert track.history.side_frame_velocity.sel(axis="x").item() == pytest.approx(0.02, abs=1e-4)
+    stored = mbs.GetSensorStoredData(force)
+    assert len(stored) == 31
+    assert stored[-1, 0] == pytest.approx(0.06)
+    last = track.history.contacts_by_shoe().contact_force.sel(shoe=5, axis="z").item()
+    assert stored[-1, 1] == pytest.approx(last)
+    assert last > 1e3
+
+
+def test_what_cannot_be_solved_is_refused():
+    case = small_case()
+    _container, mbs = model()
+    mbs.Assemble()
+    with pytest.raises(ValueError, match="call add_track"):
+        solve_dynamic(mbs, exu.SimulationSettings())
+    with pytest.raises(ValueError, match="gear"):
+        add_track(mbs, Case.translation())
+    track = add_track(mbs, case)
+    with pytest.raises(ValueError, match="no motors"):
+        track.set_torques(1.0)
+    with pytest.raises(ValueError, match="1 finite numbers"):
+        track.set_speeds([1.0, 2.0])
+    with pytest.raises(ValueError, match="no quantity 'contact_farce'"):
+        track.add_sensor("contact_farce")
+    mbs.Assemble()
+    index = settings(case, 0.01)
+    index.timeIntegration.generalizedAlpha.useIndex2Constraints = True
+    with pytest.raises(ValueError, match="useIndex2Constraints"):
+        solve_dynamic(mbs, index)
+
+
+def test_run_that_fails_names_the_track_and_the_equation():
+    case = small_case()
+    _container, mbs = model()
+    track = add_track(mbs, case)
+    mbs.Assemble()
+    solve_dynamic(mbs, settings(case, 0.004))
+    track.block.multipliers[:] = np.nan
+    track.block.state[:] = np.nan
+    with pytest.raises(SimulationStopped, match="track 1: Newton's method failed") as stopped:
+        solve_dynamic(mbs, settings(case, 0.02, 0.004))
+    assert stopped.value.time == pytest.approx(0.004)
