@@ -9,6 +9,9 @@ ARGS ?=
 INSTALLED := $(VENV)/installed
 # two processes of tests share two cores; threads that wait for each other would take half of them
 ONE_THREAD := OMP_NUM_THREADS=1 MKL_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1
+# where Python may not keep compiled files, every process compiles program and tests anew: 10 s for all tests
+COMPILED_ONCE := PYTHONDONTWRITEBYTECODE=
+TESTING := $(ONE_THREAD) $(COMPILED_ONCE)
 
 .PHONY: help demo kinematics forces uneven stress rollers closed ground life sweep-terrain sweep-plate scatter verify check test test-slow lint format bench \
 	docs notebooks lock clean
@@ -67,10 +70,10 @@ sweep-plate: $(INSTALLED)  ## 9 runs: top plate of the shoe and the ground again
 	$(BIN)/python -m studies plate-sweep --out $(OUT)/plate_sweep $(ARGS)
 
 check: $(INSTALLED) lint  ## lint and the tests that run no simulation, within a minute
-	$(ONE_THREAD) $(BIN)/python -m pytest -m "not slow and not simulation" -n 2
+	$(TESTING) $(BIN)/python -m pytest -m "not slow and not simulation" -n 2
 
 test: $(INSTALLED)  ## the tests, less the slow ones, on two processes
-	$(ONE_THREAD) $(BIN)/python -m pytest -m "not slow" -n 2 --dist loadscope --no-loadscope-reorder
+	$(TESTING) $(BIN)/python -m pytest -m "not slow" -n 2 --dist loadscope --no-loadscope-reorder
 
 test-slow: $(INSTALLED)  ## the studies at full length against the papers; once before a release
 	$(BIN)/python -m pytest -m slow

@@ -90,7 +90,7 @@ def mentions() -> Iterator[tuple[str, str]]:
         if page.name != "CHANGELOG.md":  # tells of names that are gone
             yield from _names_of(page, FENCE.sub("", page.read_text(encoding="utf-8")))
     for path in rooms.modules().values():
-        for node in ast.walk(_tree(path)):
+        for node in ast.walk(rooms.tree(path)):
             if isinstance(node, ast.Constant) and isinstance(node.value, str):
                 yield from _names_of(path, node.value)
 
@@ -98,11 +98,6 @@ def mentions() -> Iterator[tuple[str, str]]:
 def _names_of(path: Path, text: str) -> Iterator[tuple[str, str]]:
     where = path.relative_to(rooms.ROOT).as_posix()
     yield from ((where, single or double) for single, double in MENTION.findall(text))
-
-
-@cache
-def _tree(path: Path) -> ast.Module:
-    return ast.parse(path.read_text(encoding="utf-8"))
 
 
 def _targets(node: ast.stmt) -> list[str]:
@@ -123,7 +118,7 @@ def _targets(node: ast.stmt) -> list[str]:
 @cache
 def classes() -> dict[str, ast.ClassDef]:
     """Return the classes of the code by their names, which are unique."""
-    nodes = (node for path in rooms.modules().values() for node in ast.walk(_tree(path)))
+    nodes = (node for path in rooms.modules().values() for node in ast.walk(rooms.tree(path)))
     return {node.name: node for node in nodes if isinstance(node, ast.ClassDef)}
 
 
@@ -151,10 +146,10 @@ def all_members() -> frozenset[str]:
 def module_names(module: str) -> frozenset[str]:
     """Names that a module defines or imports."""
     path = rooms.modules()[module]
-    names = [name for node in _tree(path).body for name in _targets(node)]
+    names = [name for node in rooms.tree(path).body for name in _targets(node)]
     stub = path.with_suffix(".pyi")
     if stub.exists():
-        names += [name for node in _tree(stub).body for name in _targets(node)]
+        names += [name for node in rooms.tree(stub).body for name in _targets(node)]
     return frozenset(names)
 
 

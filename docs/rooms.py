@@ -60,13 +60,18 @@ def modules() -> dict[str, Path]:
 
 
 @cache
+def tree(path: Path) -> ast.Module:
+    """Return the syntax tree of a module by its file."""
+    return ast.parse(path.read_text(encoding="utf-8"))
+
+
+@cache
 def imports() -> list[tuple[str, str]]:
     """Every import of one module of the code by another, wherever in a file it stands: (from, to).
 
     A text that is a module's dotted name counts as an import of it: what else would it be for.
     """
-    trees = ((module, ast.parse(path.read_text(encoding="utf-8"))) for module, path in modules().items())
-    return [pair for module, tree in trees for pair in imports_of(module, tree)]
+    return [pair for module, path in modules().items() for pair in imports_of(module, tree(path))]
 
 
 def imports_of(module: str, tree: ast.Module) -> list[tuple[str, str]]:
@@ -112,7 +117,7 @@ def purpose(room: str) -> str:
     """What a room is for: the first sentence of its docstring."""
     path = ROOT / ("" if room in ("fem", "meshes", "studies") else PACKAGE) / room
     path = path / "__init__.py" if path.is_dir() else path.with_suffix(".py")
-    text = ast.get_docstring(ast.parse(path.read_text(encoding="utf-8"))) or ""
+    text = ast.get_docstring(tree(path)) or ""
     return " ".join(text.split("\n\n")[0].split())
 
 

@@ -35,6 +35,7 @@ from fem import read_volume
 from meshes import mesh_named
 from tests import file_contents as contents
 from tests.results import soils
+from tests.small_shoe import SMALL_SHOE
 from tests.stress_results import short_run
 
 MOMENT = 0.02  # s, of a run
@@ -183,13 +184,13 @@ def _shoe(path: Path) -> None:
 
 def _bend(path: Path) -> None:
     """Make flexible shoes of a mesh, as far as a run does before it reduces them."""
-    case = Case.stress("coarse").with_({"shoe": crawler.Shoe.from_mesh(path), "flexible.mesh": str(path)})
+    case = Case.stress(SMALL_SHOE).with_({"shoe": crawler.Shoe.from_mesh(path), "flexible.mesh": str(path)})
     flexible_shoes.check_shoe(case)
 
 
 def _mesh_content(suffix: str, form: str, **how: Any) -> bytes:
     """Coarse mesh of the shoe in a format of meshio's."""
-    mesh = mesh_named("coarse")
+    mesh = mesh_named(SMALL_SHOE)
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / f"a{suffix}"
         if form == "stl":
@@ -221,7 +222,7 @@ def case_kinds() -> list[Kind]:
     named = {
         "dragged": Case.translation(),
         "turned": Case.turning(),
-        "stressed": Case.stress("coarse"),
+        "stressed": Case.stress(SMALL_SHOE),
         "rolled": Case.rolled(),
         "cells": Case.rolled().on_cells(bekker.BekkerSoil.lete_sand()),
         "closed": Case.closed(),

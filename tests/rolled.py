@@ -3,6 +3,7 @@
 from exudyn_crawler import Case, FlexibleShoes, LoadCycle, StepProfile
 from exudyn_crawler.case import Rolled
 from studies.grounds import pitching
+from tests.small_shoe import SMALL_SHOE
 
 ROLLERS = (-1.2, 0.0, 1.2)
 SHOES = 10
@@ -40,5 +41,5 @@ def small_flexible_case(shoes=(5, 6)):
     """The same with two flexible shoes."""
     case = small_case()
     shoe = case.shoe.of_mass(4489.63)
-    flexible = FlexibleShoes.ph4100c("coarse").with_(shoes=shoes, highest_frequency=1500.0)
+    flexible = FlexibleShoes.ph4100c(SMALL_SHOE).with_(shoes=shoes, highest_frequency=1500.0)
     return case.with_(shoe=shoe, flexible=flexible)

@@ -6,13 +6,14 @@ import xarray as xr
 from exudyn_crawler import Case, Drive, FatigueMaterial, History, LoadCycle, StepProfile, simulate
 from exudyn_crawler.case.parameters.track import FlexibleShoes
 from exudyn_crawler.results.stress.recovery import recover_stresses
+from tests.small_shoe import SMALL_SHOE
 
 WEAK = FatigueMaterial.a36().with_(fatigue_strength=90e6)
 """So weak that the small stresses of a short run wear it out."""
 
 
 def short_run(
-    duration: float, shoes: tuple[int, ...] = (7, 13), mesh: str = "coarse", top_speed: float = 0.05
+    duration: float, shoes: tuple[int, ...] = (7, 13), mesh: str = SMALL_SHOE, top_speed: float = 0.05
 ) -> History:
     """Track of the stress study with some flexible shoes, set going within half the run."""
     case = Case.stress(mesh)

@@ -1,17 +1,15 @@
 """The rooms of the code: imports go one way, no circle, a picture that is true."""
 
 import ast
-from functools import cache
 
 from docs import rooms
 
 PICKLES = {"pickle", "cloudpickle", "dill", "joblib", "marshal", "shelve"}
 
 
-@cache
 def trees() -> dict[str, ast.Module]:
     """Syntax trees of all modules by their names."""
-    return {name: ast.parse(path.read_text(encoding="utf-8")) for name, path in rooms.modules().items()}
+    return {name: rooms.tree(path) for name, path in rooms.modules().items()}
 
 
 def test_rooms_import_only_what_lies_below_them():

@@ -18,6 +18,7 @@ from exudyn_crawler.results.life.life import life_of, life_words, relative_sprea
 from exudyn_crawler.spread_run import NUDGE, ONE_TIME, laws_beside, nudged, spread
 from exudyn_crawler.views.pages.life import life_lines, write_life_page
 from exudyn_crawler.views.tables import cell_text
+from tests.small_shoe import SMALL_SHOE
 from tests.stress_results import WEAK
 
 DUTY = """
@@ -122,7 +123,7 @@ def test_implausible_materials_are_warned_of_before_anything_is_counted(tmp_path
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
     """Folder of a run with one flexible shoe."""
-    case = Case.stress("coarse").with_({"flexible.shoes": (13,)})
+    case = Case.stress(SMALL_SHOE).with_({"flexible.shoes": (13,)})
     out = tmp_path_factory.mktemp("runs") / "run"
     run_case(CaseFile(case=case, duration=0.02, outputs=ONE_TIME), out, progress=False)
     return out
@@ -189,7 +190,7 @@ def test_the_command_refuses_what_cannot_be_repeated(folder, refused, tmp_path):
 
 
 def test_laws_that_could_stand_for_the_same_ground():
-    case = Case.stress("coarse")
+    case = Case.stress(SMALL_SHOE)
     by_area = laws_beside(case)["law by area"]
     assert list(laws_beside(by_area)) == ["law by pair"]
     assert laws_beside(by_area)["law by pair"] == case

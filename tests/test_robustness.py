@@ -20,6 +20,7 @@ from exudyn_crawler.machines.case_file import Outputs, case_text
 from fem.files.hdf5 import HEAD, HEAP
 from studies.stress import study as stress_study
 from tests.case.strategies import TOML
+from tests.small_shoe import SMALL_SHOE
 
 SAME_FOLDER = settings(
     deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow]
@@ -245,7 +246,7 @@ def test_reusing_a_broken_history_is_one_line_and_runs_nothing(tmp_path, refused
 
 
 def test_a_mesh_that_does_not_fit_is_refused_before_anything_is_written(tmp_path):
-    case = Case.stress("coarse")
+    case = Case.stress(SMALL_SHOE)
     off = case.with_({"track.pin_height": case.track.pin_height + 0.1})
     with pytest.raises(ValueError, match="must meet the track's pins"):
         run_case(CaseFile(case=off, duration=0.01), tmp_path / "run")
@@ -280,7 +281,7 @@ def tiny():
 
 def tiny_flexible():
     """With the stress study's parameters and a flexible front shoe of the coarse mesh."""
-    case = Case.stress("coarse").with_({"flexible.shoes": (2,), "flexible.static_fields": False})
+    case = Case.stress(SMALL_SHOE).with_({"flexible.shoes": (2,), "flexible.static_fields": False})
     return short(case, 8, 9, pictures=False, paraview=False)
 
 

@@ -5,7 +5,10 @@ both sides of each solution in memory until Python collects such cycles.
 """
 
 import ctypes
+import os
+from contextlib import suppress
 from functools import cache
+from importlib.metadata import PackageNotFoundError, files
 from typing import Any
 
 import numpy as np
@@ -22,11 +25,17 @@ BY_DEFAULT, CHOSEN = 0, 1
 ARGUMENTS = 16
 WORDS = 64
 """Length of PARDISO's handle and of its parameters."""
+PATH_OF_MKL = "PYPARDISO_MKL_RT"
+"""Variable with the path of MKL, without which pypardiso searches all installed files for 0.5 s."""
 
 
 @cache
 def library() -> Any:
     """Return the library with PARDISO, imported late since that takes long; None without pypardiso."""
+    with suppress(PackageNotFoundError):
+        for file in files("mkl") or ():
+            if "mkl_rt" in file.name:
+                os.environ.setdefault(PATH_OF_MKL, str(file.locate()))
     try:
         from pypardiso import ps
     except ImportError:

@@ -19,7 +19,7 @@ from sybil import Document, Example
 from sybil.parsers.markdown import CodeBlockParser, PythonCodeBlockParser, SkipParser
 
 import exudyn_crawler
-from docs import conf
+from docs import conf, rooms
 from exudyn_crawler import Terrain, cli
 from studies.commands import app as studies
 
@@ -152,8 +152,8 @@ def test_every_page_is_in_the_site():
 
 
 def test_messages_of_the_troubleshooting_page_are_those_of_the_code():
-    sources = (ROOT / "exudyn_crawler", ROOT / "fem")
-    code = [ast.parse(path.read_text(encoding="utf-8")) for one in sources for path in one.rglob("*.py")]
+    modules = rooms.modules().items()
+    code = [rooms.tree(path) for name, path in modules if name.startswith(("exudyn_crawler", "fem"))]
     constants = [node.value for tree in code for node in ast.walk(tree) if isinstance(node, ast.Constant)]
     told = {one for one in constants if isinstance(one, str)}
     rows = re.findall(r"^\| (.*?) \|", (ROOT / "docs/troubleshooting.md").read_text(), re.MULTILINE)

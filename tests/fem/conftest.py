@@ -1,4 +1,4 @@
-"""Bodies that several tests share: a cube, a beam and the coarse shoe, with their reductions."""
+"""Bodies that several tests share: a cube, a beam and a shoe of few nodes, with their reductions."""
 
 import os
 from pathlib import Path
@@ -8,8 +8,9 @@ import pytest
 
 import fem
 from exudyn_crawler.model.reductions import VARIABLE
-from meshes import STEEL, joint_interfaces, shoe_mesh
+from meshes import STEEL, joint_interfaces, mesh_named
 from tests.fem.bodies import DOWN, beam_body, beam_interfaces, box_mesh
+from tests.small_shoe import SMALL_SHOE
 
 
 @pytest.fixture
@@ -41,7 +42,7 @@ def history(small: fem.ReducedBody) -> np.ndarray:
 
 @pytest.fixture(scope="session")
 def shoe() -> fem.ElasticBody:
-    return fem.ElasticBody(shoe_mesh("coarse"), STEEL)
+    return fem.ElasticBody(mesh_named(SMALL_SHOE), STEEL)
 
 
 @pytest.fixture(scope="session")

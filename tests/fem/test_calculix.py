@@ -7,9 +7,15 @@ import pytest
 
 import fem
 from fem.body.element_stress import von_mises
+from meshes import STEEL, shoe_mesh
 from tests.fem.calculix_reference import REFERENCE, pull_forces, roller_forces
 
 pytestmark = pytest.mark.simulation
+
+
+@pytest.fixture(scope="module")
+def shoe() -> fem.ElasticBody:
+    return fem.ElasticBody(shoe_mesh("coarse"), STEEL)
 
 
 @pytest.fixture(scope="module")

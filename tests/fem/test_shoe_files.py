@@ -16,9 +16,14 @@ WHOLE = {"whole top": 1.9039, "plateau": 1.0008, "top": 1.0008, "rails": 0.2640,
 
 
 @pytest.fixture(scope="module")
-def ready(shoe) -> fem.Mesh:
+def ready() -> fem.Mesh:
     """The ready file's mesh."""
-    return shoe.mesh
+    return meshes.shoe_mesh("coarse")
+
+
+@pytest.fixture(scope="module")
+def partition(ready) -> fem.Partition:
+    return fem.Partition(fem.ElasticBody(ready, meshes.STEEL), meshes.joint_interfaces(ready))
 
 
 @pytest.fixture(scope="module")

@@ -36,6 +36,14 @@ def hangs(path):
     time.sleep(60.0)
 
 
+def hangs_when_told(path, go):
+    mesher.begin_step("the reading of the file")
+    path.write_text("reads")
+    while not go.exists():
+        time.sleep(0.01)
+    hangs(path)
+
+
 def test_results_and_errors_come_back_and_lines_do_not(capfd):
     assert mesher.call(doubled, 21) == 42
     with pytest.raises(ValueError, match="value must be small, got 7"):
@@ -54,9 +62,22 @@ def test_a_crash_is_told_of_with_the_step_and_what_may_have_caused_it():
 
 
 def test_a_step_that_takes_too_long_is_ended(tmp_path, monkeypatch):
-    monkeypatch.setattr(mesher, "LONGEST", 6)
-    with pytest.raises(MeshError, match="netgen was ended after 6 s during the meshing of the solid; heal"):
-        mesher.call(hangs, tmp_path / "pid")
+    path, go = tmp_path / "pid", tmp_path / "go"
+
+    def shorten():
+        # not before the process has started, which may take seconds
+        while not path.exists():
+            time.sleep(0.01)
+        monkeypatch.setattr(mesher, "LONGEST", 0.5)
+        go.touch()
+
+    thread = threading.Thread(target=shorten)
+    thread.start()
+    with pytest.raises(
+        MeshError, match=r"netgen was ended after 0\.5 s during the meshing of the solid; heal"
+    ):
+        mesher.call(hangs_when_told, path, go)
+    thread.join()
 
 
 def test_an_interrupt_ends_the_mesher(tmp_path):

@@ -12,6 +12,7 @@ from fem.body.distortion import straighten_distorted
 from meshes import LOAD_SURFACES, STEEL, ShoeDimensions
 from meshes.build_shoe import main
 from meshes.geometry import NODES, VOLUMES
+from tests.small_shoe import SMALL_SHOE
 
 THICKER = 0.010
 
@@ -108,6 +109,12 @@ def test_study_and_fine_mesh_bend_at_178_hz():
     for size in ("study", "fine"):
         found = fem.ElasticBody(meshes.shoe_mesh(size), STEEL).natural_frequencies(7)[6]
         assert found == pytest.approx(178.07, rel=0.02)
+
+
+def test_the_small_mesh_has_mass_and_first_mode_of_the_shoe(mesh):
+    small, ready = (fem.ElasticBody(one, STEEL) for one in (meshes.mesh_named(SMALL_SHOE), mesh))
+    assert small.mass == pytest.approx(ready.mass, rel=0.02)
+    assert small.natural_frequencies(7)[6] == pytest.approx(178.07, rel=0.02)
 
 
 def same(one, other):

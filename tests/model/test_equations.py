@@ -20,11 +20,12 @@ from exudyn_crawler.model.newton import Limits
 from exudyn_crawler.run.solve.equilibrium import static_equilibrium
 from tests.model.both import by_engine, compiled, gaps_of, matrix_errors, random_state, residual_of
 from tests.rolled import small_flexible_case
+from tests.small_shoe import SMALL_SHOE
 
 pytestmark = pytest.mark.simulation
 
-FLEXIBLE = Case.stress(mesh="coarse").with_(
-    flexible=FlexibleShoes.ph4100c("coarse").with_(shoes=(6, 7, 13), highest_frequency=1000.0)
+FLEXIBLE = Case.stress(SMALL_SHOE).with_(
+    flexible=FlexibleShoes.ph4100c(SMALL_SHOE).with_(shoes=(6, 7, 13), highest_frequency=1000.0)
 )
 CASES = {
     "straight": Case.translation(),

@@ -22,18 +22,19 @@ from fem.body.element_stress import von_mises
 from studies.grounds import plain
 from studies.stress import with_modes
 from tests.modal_loads import modal_loads, whole_coordinates
+from tests.small_shoe import SMALL_SHOE
 
 pytestmark = pytest.mark.simulation
 
 COORDINATES = exu.OutputVariableType.Coordinates
-COARSE = FlexibleShoes.ph4100c("coarse")
+SMALL = FlexibleShoes.ph4100c(SMALL_SHOE)
 LOAD = 386.4e3
 """N, of a shoe, evenly spread over the loaded surface."""
 
 
 def track(**changes):
     """The papers' track on the fine grid with two flexible shoes: one in the middle, one driven."""
-    flexible = COARSE.with_(shoes=(7, 13), **changes)
+    flexible = SMALL.with_(shoes=(7, 13), **changes)
     return plain(Case.translation()).with_(terrain=Terrain.stress(), flexible=flexible)
 
 
@@ -218,7 +219,7 @@ def test_a_released_shoe_is_driven_no_more_until_the_drive_is_on_again():
 
 def test_modes_are_chosen_by_number_or_frequency():
     def chosen(modes):
-        return floating_shoe(track().with_(flexible=with_modes(COARSE.with_(shoes=(13,)), modes)))
+        return floating_shoe(track().with_(flexible=with_modes(SMALL.with_(shoes=(13,)), modes)))
 
     assert chosen("1-3, 6").mode_count == 4
     frequencies = chosen("500 Hz").reduced.frequencies
@@ -243,9 +244,9 @@ def test_a_staged_run_with_flexible_shoes_is_the_unstaged_one(history):
 
 def test_the_load_goes_over_the_named_surface():
     """From the rails to the whole top it spreads, and a shoe on even ground is stressed less and less."""
-    body, interfaces = shoe_model(COARSE, track().track)
+    body, interfaces = shoe_model(FlexibleShoes.ph4100c("coarse"), track().track)
     surfaces = ("rails", "plateau", "whole top")
-    assert COARSE.load_surface == "whole top"
+    assert SMALL.load_surface == "whole top"
     loads = [body.surface_load(name, np.array([0.0, 0.0, -1e6])) for name in surfaces]
     ground = body.surface_load("underside", np.array([0.0, 0.0, 1e6]))
     forces = np.column_stack([(load + ground).ravel() for load in loads])
@@ -253,12 +254,13 @@ def test_the_load_goes_over_the_named_surface():
     peaks = von_mises(np.moveaxis(body.stress(answer), 2, 0)).max(axis=1)
     # 41, 30 and 16 MPa at 611 kN on this mesh
     assert peaks * 0.611e-6 == pytest.approx([41.3, 29.7, 16.1], rel=0.03)
+    body, _ = shoe_model(SMALL, track().track)
     for name in surfaces:
         weights = body.surface_weights(name)
         middle = weights @ body.mesh.nodes / weights.sum()
         assert floating_shoe(track(load_surface=name)).load_point == pytest.approx(middle, abs=1e-9)
-    with pytest.raises(ValueError, match="load_surface must be a surface of the mesh 'coarse'"):
-        shoe_model(COARSE.with_(load_surface="bottom"), track().track)
+    with pytest.raises(ValueError, match=r"load_surface must be a surface of the mesh '.*small_shoe"):
+        shoe_model(SMALL.with_(load_surface="bottom"), track().track)
 
 
 HELD = {"front right": (1, 1, 1), "front left": (1, 0, 1), "rear right": (0, 0, 1), "rear left": (0, 0, 1)}
@@ -266,7 +268,7 @@ HELD = {"front right": (1, 1, 1), "front left": (1, 0, 1), "rear right": (0, 0, 
 
 
 def supported_case(load_mode=False):
-    case = Case.stress("coarse")
+    case = Case.stress(SMALL_SHOE)
     flexible = with_modes(case.flexible.with_(shoes=(7,), load_mode=load_mode), "all")
     return case.with_(gravity=0.0, flexible=flexible)
 

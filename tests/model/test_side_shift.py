@@ -11,6 +11,7 @@ from exudyn_crawler.results.loads.load_map import unit_loads
 from exudyn_crawler.run.solve.equilibrium import static_equilibrium
 from studies.balance import energy_balance, shoe_imbalance
 from tests.modal_loads import modal_loads
+from tests.small_shoe import SMALL_SHOE
 
 pytestmark = pytest.mark.simulation
 
@@ -22,7 +23,7 @@ LEANING = LoadCycle(
     )
 )
 
-FEW = FlexibleShoes.ph4100c("coarse").with_(shoes=(2,), fixed_modes=2)
+FEW = FlexibleShoes.ph4100c(SMALL_SHOE).with_(shoes=(2,), fixed_modes=2)
 
 
 def leaning(base, **changes):
@@ -37,7 +38,7 @@ def rigid():
 
 @pytest.fixture(scope="module")
 def flexible():
-    return simulate(leaning(Case.stress("coarse"), flexible=FEW), END)
+    return simulate(leaning(Case.stress(SMALL_SHOE), flexible=FEW), END)
 
 
 def test_rest_is_that_of_the_loads_at_the_start():
@@ -83,7 +84,7 @@ def test_the_ground_presses_more_on_the_side_that_the_load_leans_to(rigid):
 
 
 def test_pressure_that_grows_to_a_side_has_its_resultant_there():
-    floating = floating_shoe(leaning(Case.stress("coarse"), flexible=FEW))
+    floating = floating_shoe(leaning(Case.stress(SMALL_SHOE), flexible=FEW))
     reduced, weights = floating.reduced, floating.reduced.weights("whole top")
     right, left = side_weights(weights, reduced.nodes)
     assert right + left == pytest.approx(2.0 * weights, abs=1e-15)

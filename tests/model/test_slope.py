@@ -13,6 +13,7 @@ from exudyn_crawler.run.solve.rest import STEADY_DRAGS
 from studies.balance import energy_balance, shoe_imbalance, track_imbalance
 from studies.grounds import plain
 from studies.sliding import check_sliding, steady_sliding
+from tests.small_shoe import SMALL_SHOE
 
 pytestmark = pytest.mark.simulation
 
@@ -121,7 +122,7 @@ def test_spheres_carry_the_leaning_weight():
 
 def test_flexible_shoes_carry_the_leaning_weight():
     few = {"flexible.shoes": (2,), "flexible.fixed_modes": 2, "solver.residual": 1e-3}
-    history = simulate(on_slope(0.1, -0.05, Case.stress("coarse").with_(few)), 0.05)
+    history = simulate(on_slope(0.1, -0.05, Case.stress(SMALL_SHOE).with_(few)), 0.05)
     ground, weight = carried(history)
     assert np.abs(shoe_imbalance(history).force.values).max() < 1e-6 * np.linalg.norm(weight)
     # the flexible shoe weighs what its mesh does; it bounces

@@ -388,7 +388,8 @@ def test_a_defect_grows_over_the_stages_of_a_duty(mesh):
 
 
 @pytest.mark.slow
-def test_runs_and_cases_make_damage_at_all_places_of_the_runs(history, mesh):
+def test_runs_and_cases_make_damage_at_all_places_of_the_runs(history):
+    mesh = meshes.mesh_named(history.case.flexible.mesh)
     run = DutyRun(name="pulled", folder=".", an_hour=1000.0)
     alone = life_of(duty(runs=(run,)), [history])
     both = life_of(duty(STONE, runs=(run,), changes_an_hour=0.0), [history], shapes=pulled(mesh, 140e6))
@@ -400,7 +401,7 @@ def test_runs_and_cases_make_damage_at_all_places_of_the_runs(history, mesh):
     np.testing.assert_allclose(case, 2.0 * damage_of(70e6), rtol=1e-3)
     assert set(both.nodes[int(both.table["node"][0])].cycles["run"]) <= {"pulled", "stones"}
     higher = dataclasses.replace(mesh, nodes=mesh.nodes + np.array([0.0, 0.0, 1e-4]))
-    with pytest.raises(ValueError, match="runs and check cases must have the same mesh, got 13773 nodes"):
+    with pytest.raises(ValueError, match=f"must have the same mesh, got {len(mesh.nodes)} nodes"):
         life_of(duty(STONE, runs=(run,)), [history], shapes=pulled(higher, 140e6))
     with pytest.raises(ValueError, match="must have the same pins, got 'rigid' of 'pulled' and 'averaging'"):
         life_of(duty(STONE, runs=(run,)), [history], shapes=pulled(mesh, 140e6, pins="averaging"))

@@ -12,6 +12,7 @@ from exudyn_crawler.results.stress.hot_spots import REGIONS, flat_triangles, loa
 from fem import Shapes
 from meshes import STEEL, joint_interfaces, mesh_named
 from tests.modal_loads import modal_loads
+from tests.small_shoe import SMALL_SHOE
 from tests.stress_results import by_modes_alone
 
 TRACK = Track.ph4100c()
@@ -89,7 +90,7 @@ def test_shares_of_no_stress_are_zero():
 def run_on_cells() -> History:
     """Three shoes on sand, of which the middle one bends."""
     changes = {"track.shoe_count": 3, "loads": LoadCycle.propel(3), "flexible.shoes": (2,)}
-    case = Case.stress("coarse").with_(changes)
+    case = Case.stress(SMALL_SHOE).with_(changes)
     return simulate(case.on_cells(BekkerSoil.lete_sand()), 0.02, False)
 
 

@@ -46,6 +46,7 @@ from studies.balance import (
 from tests.modal_loads import modal_loads, whole_coordinates
 from tests.rolled import SHOES, small_flexible_case
 from tests.states import row_of
+from tests.stress_results import short_run
 
 TIME = 0.05
 WEIGHT = 13 * 432.3e3  # N, of the loaded track
@@ -127,7 +128,9 @@ def test_energies_of_flexible_shoes_are_refused(history):
             function(history)
 
 
-def test_modal_loads_are_the_virtual_work_of_the_actions(history):
+@pytest.mark.simulation
+def test_modal_loads_are_the_virtual_work_of_the_actions():
+    history = short_run(0.06, shoes=(13,), mesh="coarse")
     whole, shoe, time = unit_loads(history.case).whole, 13, -1
     frame = rotation_matrices(history.angles.sel(shoe=shoe).values)[time]
     weights = whole.weights("underside")

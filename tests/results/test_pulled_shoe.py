@@ -12,15 +12,16 @@ from exudyn_crawler.results.stress.recovery import recover_stresses
 from fem import Partition
 from fem.body.element_stress import von_mises
 from tests.modal_loads import modal_loads, whole_coordinates
+from tests.small_shoe import SMALL_SHOE
 
 pytestmark = pytest.mark.simulation
 
 FORCE = 2e6
 INNER, OUTER = (8.76, 9.95), (8.59, 10.11)
 """m, y of the side faces of the lugs: those that face each other, and the others."""
-CASE = Case.stress("coarse").with_(
+CASE = Case.stress(SMALL_SHOE).with_(
     drive=Drive(speed=StepProfile(times=(0.0, 0.1), values=(0.0, 0.05))),
-    flexible=FlexibleShoes.ph4100c("coarse").with_(shoes=(13,)),
+    flexible=FlexibleShoes.ph4100c(SMALL_SHOE).with_(shoes=(13,)),
 )
 
 

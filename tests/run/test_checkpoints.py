@@ -20,6 +20,7 @@ from exudyn_crawler.model.state import VERSION
 from exudyn_crawler.run.folder.checkpoints import Checkpoints
 from exudyn_crawler.run.solve.stages import stage_times
 from tests.rolled import small_case
+from tests.small_shoe import SMALL_SHOE
 
 pytestmark = pytest.mark.simulation
 
@@ -73,7 +74,7 @@ def test_a_killed_run_goes_on_and_gives_the_same_numbers(tmp_path):
 
 
 def flexible():
-    return Case.stress("coarse").with_({"flexible.shoes": (7, 13), "flexible.fixed_modes": 4})
+    return Case.stress(SMALL_SHOE).with_({"flexible.shoes": (7, 13), "flexible.fixed_modes": 4})
 
 
 @pytest.mark.parametrize(

@@ -14,6 +14,7 @@ from exudyn_crawler.ground.pairs import RESULT
 from exudyn_crawler.model.compiled_system import compiled_system
 from exudyn_crawler.run.solve.equilibrium import static_equilibrium
 from studies.grounds import plain
+from tests.small_shoe import SMALL_SHOE
 
 pytestmark = pytest.mark.simulation
 
@@ -95,7 +96,7 @@ def test_a_shoe_that_is_pulled_at_a_point_is_held_there(point):
     case = plain(Case.translation()).with_(
         terrain=Terrain.stress(),
         drive=Drive.translation().with_(point=point),
-        flexible=FlexibleShoes.ph4100c("coarse").with_(shoes=(13,)),
+        flexible=FlexibleShoes.ph4100c(SMALL_SHOE).with_(shoes=(13,)),
     )
     start = simulate(case, 2e-3).dataset.isel(time=0)
     assert 200.0 < -float(start.drive_force) < 400.0

@@ -17,6 +17,7 @@ from exudyn_crawler.run.solve import simulation
 from exudyn_crawler.views import outputs
 from studies.kinematics import study as kinematics_study
 from tests.run.test_folder import DRAWN, QUIET, record, visible
+from tests.small_shoe import SMALL_SHOE
 
 pytestmark = pytest.mark.simulation
 
@@ -219,7 +220,7 @@ RIGID = CaseFile(case=STAGED.case, duration=1.0, outputs=Outputs(shoes=(7,), pag
 
 def flexible():
     parts = {"solver.checkpoint_interval": 0.1, "flexible.shoes": (13,), "flexible.fixed_modes": 4}
-    case = Case.stress("coarse").with_(parts)
+    case = Case.stress(SMALL_SHOE).with_(parts)
     return CaseFile(case=case, duration=0.4, outputs=Outputs(shoes=(13,), picture_times=(0.2,)))
 
 

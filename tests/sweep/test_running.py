@@ -252,7 +252,8 @@ def test_results_of_another_sweep_are_replaced_only_where_that_is_allowed(ran, s
         run_sweep(other, folder)
     assert (folder / "results.csv").read_bytes() == before
     assert json.loads((folder / "run.json").read_text())["status"] == "done"
-    fewer = run_sweep(other, folder, overwrite=True)
+    fewer = run_sweep(other, folder, scheduler=scheduler, overwrite=True)
     assert len(pd.read_csv(folder / "results.csv")) == len(fewer.table) == 1
     # the runs have stayed
-    assert run_sweep(SWEEP, folder).table["status"].tolist() == ["done", "done"]
+    again = run_sweep(SWEEP, folder, scheduler=scheduler)
+    assert again.table["status"].tolist() == ["done", "done"]

@@ -22,6 +22,7 @@ from exudyn_crawler.sweep.scatter import _with_all_cases, read_scatter
 from exudyn_crawler.sweep.vary import Vary
 from fem import Shapes
 from meshes.shoe import STEEL, joint_interfaces
+from tests.small_shoe import SMALL_SHOE
 from tests.sweep.cases import DAMPING, FORCE, STIFFNESS, answered, small_sweep
 
 NICRMO = FatigueMaterial.cast_nicrmo()
@@ -253,7 +254,7 @@ def drawn_duty(tmp_path, monkeypatch):
     (tmp_path / "duty.toml").write_text(DUTY)
     path = tmp_path / "scatter.toml"
     path.write_text(SCATTER)
-    mesh = meshes.mesh_named("coarse")
+    mesh = meshes.mesh_named(SMALL_SHOE)
     worn = dataclasses.replace(mesh, nodes=mesh.nodes + np.array([0.0, 0.0, 1e-4]))
 
     def shapes(check, names, _say):

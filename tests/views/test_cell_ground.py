@@ -17,6 +17,7 @@ from exudyn_crawler.views.pages.runs import write_comparison
 from exudyn_crawler.views.scenes import pictures, track
 from exudyn_crawler.views.scenes.films import TrackPicture, ground_scale
 from tests.rolled import small_case
+from tests.small_shoe import SMALL_SHOE
 from tests.views.test_figures import curves
 
 pytestmark = pytest.mark.simulation
@@ -30,7 +31,7 @@ CASES = {
     # the papers' track beside a ridge, whose drive starts at once
     "dragged": lambda: Case.translation().on_cells(SAND, Heights(parts=(RIDGE,))),
     "rolled": lambda: small_case().on_cells(SAND),
-    "flexible": lambda: Case.stress("coarse").with_({"flexible.shoes": (7, 13)}).on_cells(SAND),
+    "flexible": lambda: Case.stress(SMALL_SHOE).with_({"flexible.shoes": (7, 13)}).on_cells(SAND),
 }
 
 

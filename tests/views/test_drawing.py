@@ -299,7 +299,8 @@ def test_units_of_uneven_ground_are_as_high_as_their_faces(history, stress, tmp_
 
 
 def test_stresses_of_another_mesh_are_refused(history, stress, tmp_path):
-    with pytest.raises(ValueError, match="13772 nodes of the stresses are not the 13773"):
+    count = stress.sizes["node"]
+    with pytest.raises(ValueError, match=f"{count - 1} nodes of the stresses are not the {count}"):
         write_paraview(stress.isel(node=slice(1, None)), history, tmp_path)
     with pytest.raises(ValueError, match="must have flexible shoes"):
         write_paraview(stress, History(Case.translation(), history.dataset), tmp_path)
