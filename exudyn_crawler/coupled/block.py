@@ -84,6 +84,7 @@ class TrackBlock:
         self.state = self._accepted = self.system.motion
         self.multipliers = self._accepted_multipliers = self.system.multipliers.copy()
         self._accepted_wrench = self.wrench
+        self._before = 0.0, self.wrench  # size of the last step, and the wrench at its start
         self._algorithmic = self.state[2].copy()
         self._factored: Weights | None = None  # weights of the factored matrix that the next step begins with
 
@@ -129,15 +130,13 @@ class TrackBlock:
         before = self._algorithmic
         after = self._after = (step.alpha_f * q_tt - step.alpha_m * before) / (1.0 - step.alpha_m)
         weights = self._weights = step.weights
-        self.state = np.stack(
-            (
-                q + h * q_t + h * h * ((0.5 - step.beta) * before + step.beta * after),
-                q_t + h * ((1.0 - step.gamma) * before + step.gamma * after),
-                np.zeros_like(q),
-            )
-        )
+        self.state = np.zeros_like(self._accepted)
+        self.state[0] = q + h * q_t + h * h * ((0.5 - step.beta) * before + step.beta * after)
+        self.state[1] = q_t + h * ((1.0 - step.gamma) * before + step.gamma * after)
         self.multipliers = self._accepted_multipliers.copy()
-        self.wrench = self._accepted_wrench
+        size, wrench_before = self._before
+        # the wrench changes as in the last step of this size
+        self.wrench = 2.0 * self._accepted_wrench - wrench_before if size == h else self._accepted_wrench
         factored = self._factored == weights
         if factored or self.system.cells is not None:
             # as `CompiledSystem` begins a step
@@ -256,6 +255,7 @@ class TrackBlock:
     def accept(self, step: Step) -> None:
         """Make the solved step the last one."""
         self._algorithmic = self._after + (1.0 - step.alpha_f) / (1.0 - step.alpha_m) * self.state[2]
+        self._before = step.size, self._accepted_wrench
         self._accepted = self.state
         self._accepted_multipliers = self.multipliers
         self._accepted_wrench = self.wrench

@@ -37,7 +37,7 @@ def solve_dynamic(mbs: "exu.MainSystem", settings: "exu.SimulationSettings") -> 
 
     The first call starts from the rest of the tracks, with the accelerations that the whole model has there,
     each later one from the end of the one before. The cases of the tracks give the residual that is allowed
-    for them; the user's constraints, and those between both, are closed within 1e-11 m and rad. Exudyn's user
+    for them; the user's constraints, and those between both, are closed within 1e-10 m and rad. Exudyn's user
     function before a step is called once for each step, also for one that fails and is tried with half its
     size.
 

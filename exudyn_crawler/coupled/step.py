@@ -18,15 +18,15 @@ from exudyn_crawler.model.exudyn import exu
 
 USER_RESIDUAL = 0.25
 """Residual of the user's equations of motion, fraction of the least one of the tracks."""
-GAP = 1e-11
+GAP = 1e-10
 """Greatest gap of the user's constraints and between both bodies of a car body, m and rad: with gaps of 1e-9
 the forces between them alternate from step to step and grow."""
 MOST = 15
 """Greatest number of iterations of the user's model within one of the tracks."""
-SLOW = 0.1
-"""Ratio of successive residuals above which the user's matrix is formed anew."""
-
-
+SLOW = 0.5
+"""Ratio of successive residuals above which the user's matrix is formed anew at once."""
+WORTH = 10
+"""Number of iterations of a user's model that cost as much as a new matrix (20 bodies: 0.2 and 2 ms)."""
 UNIT = 1e4
 """Wrench, N and N m, by which the answers of initial accelerations are found: as large as loads are."""
 
@@ -41,6 +41,7 @@ class CoupledStep:
         # from the cases' frames to the user's, for the wrenches and poses of all car bodies
         self._turn = block_diag(*(block.placement.of_wrench for block in blocks))
         self._closing: np.ndarray | None = None  # wrenches on tracks that close gaps
+        self._wasted = 0  # iterations of the user's model that a new matrix would have saved
         self._solved: Step | None = None  # step that waits for its acceptance
         self._failed: TrackBlock | None = (
             None  # track that made the last step fail, None for the user's model
@@ -54,7 +55,9 @@ class CoupledStep:
         # Exudyn repeats a solved step after a change of its own data coordinates
         repeated = step == self._solved
         self._solved = None
-        if not repeated:
+        if repeated:
+            self._model.resume()
+        else:
             self._model.begin(solver, settings, step)
         for block in self._blocks:
             if not (block.resume() if repeated else block.begin(step)):
@@ -71,6 +74,7 @@ class CoupledStep:
         """Accept the solved step, if there is one; Exudyn has accepted its own part."""
         if self._solved is None:
             return
+        self._model.accept()
         for block in self._blocks:
             block.accept(self._solved)
         self._solved = None
@@ -119,9 +123,12 @@ class CoupledStep:
                 return wrenches
             if not left < math.inf:
                 return None
-            if not model.is_factored or (iteration > 1 and left > SLOW * last):
+            # a new matrix needs one iteration; those beyond may cost as much as it does
+            self._wasted += iteration > 0
+            if not model.is_factored or self._wasted > WORTH or (iteration > 1 and left > SLOW * last):
                 model.factor()
                 self._closing = None
+                self._wasted = 0
             last = left
             if self._closing is None:
                 self._closing = np.linalg.inv(self._closed(model.answers))

@@ -18,6 +18,7 @@ from exudyn_crawler.model.exudyn import exu, integrator, predict
 
 NOW = exu.ConfigurationType.Current
 INITIAL = exu.ConfigurationType.Initial
+START = exu.ConfigurationType.StartOfStep
 
 
 class CarItems(NamedTuple):
@@ -55,34 +56,58 @@ class UserModel:
         self._factors: Any = None
         self._factored: tuple[float, ...] = ()
         self.answers = np.zeros((0, 0))
+        self._found: tuple[float, float] | None = None  # the last residual, until a change
+        self._start = self._before = (
+            0.0,
+            np.zeros(0),
+            np.zeros(0),
+        )  # size and start of this and the last step
 
     def begin(self, solver: Any, settings: "exu.SimulationSettings", step: Step) -> None:
-        """Predict a step of the solver with constant accelerations."""
+        """Predict a step: accelerations and multipliers change as in the last step of its size."""
         self._solver = solver
         self._settings = settings
         self._weights = step.weights
         self._scale = step.beta * step.size**2
+        self._found = None
         state = np.zeros((3, self._size))
         predict(solver, self.mbs, settings, state)
-        last: Any = self._data.GetODE2Coordinates_tt(exu.ConfigurationType.StartOfStep)
-        state += np.multiply.outer(self._weights[:3], last / self._weights.acceleration)
+        second = np.array(self._data.GetODE2Coordinates_tt(START))
+        multipliers = np.array(self._data.GetAECoordinates(START))
+        self._start = step.size, second, multipliers
+        size, second_before, multipliers_before = self._before
+        if size == step.size:
+            second = 2.0 * second - second_before
+            self._data.GetAECoordinates(NOW, False)[:] = 2.0 * multipliers - multipliers_before
+        state += np.multiply.outer(self._weights[:3], second / self._weights.acceleration)
         self._data.GetODE2Coordinates(NOW, False)[:] = state[0]
         self._data.GetODE2Coordinates_t(NOW, False)[:] = state[1]
         self._data.GetODE2Coordinates_tt(NOW, False)[:] = state[2]
 
+    def resume(self) -> None:
+        """Go on with a solved step after a change of Exudyn's data coordinates."""
+        self._found = None
+
+    def accept(self) -> None:
+        """Make the solved step the last one."""
+        self._before = self._start
+
     def residual(self, wrenches: np.ndarray) -> tuple[float, float]:
         """Form the equations with the wrenches on the car bodies (6 cars,), in the user's frame.
 
-        Return the root mean square of the equations of motion, N, and the greatest gap of the others.
+        Return the root mean square of the equations of motion, N, and the greatest gap of the others. Both
+        stay until the next correction.
         """
-        self._load(wrenches)
-        self._solver.ComputeNewtonResidual(self.mbs, self._settings)
-        self.residuals += 1
-        self._residual = np.array(self._solver.GetSystemResidual())
-        forces = self._residual[: self._size]
-        gaps = self._residual[self._size :]
-        norm = math.sqrt(forces @ forces / self._size) / self._scale
-        return norm, float(np.abs(gaps).max(initial=0.0))
+        if self._found is None:
+            self._load(wrenches)
+            self._solver.ComputeNewtonResidual(self.mbs, self._settings)
+            self.residuals += 1
+            self._residual = np.array(self._solver.GetSystemResidual())
+            forces = self._residual[: self._size]
+            gaps = self._residual[self._size :]
+            norm = math.sqrt(forces @ forces / self._size) / self._scale
+            self._found = norm, float(np.abs(gaps).max(initial=0.0))
+        return self._found
 
     def _load(self, wrenches: np.ndarray) -> None:
         for k, car in enumerate(self._cars):
@@ -151,6 +176,7 @@ class UserModel:
 
     def correct(self, change: np.ndarray, wrenches: np.ndarray) -> None:
         """Subtract a correction of `solve`, and add the answer to a change of all wrenches (6 cars,)."""
+        self._found = None
         change = change - self._by_wrench @ wrenches
         by = self._weights
         coordinates = change[: self._size]
