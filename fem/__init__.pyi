@@ -7,6 +7,7 @@ from .files.cache import CachedFields as CachedFields
 from .files.cache import CachedReduction as CachedReduction
 from .files.cache import cached_craig_bampton as cached_craig_bampton
 from .files.cache import cached_files as cached_files
+from .files.cache import cached_pin_contacts as cached_pin_contacts
 from .files.cache import cached_static_fields as cached_static_fields
 from .fatigue.critical_plane import CriticalPlanes as CriticalPlanes
 from .fatigue.critical_plane import critical_planes as critical_planes
@@ -57,6 +58,10 @@ from .fatigue.rainflow import repeated_cycles as repeated_cycles
 from .stress.recovery import Peaks as Peaks
 from .stress.recovery import recover_peaks as recover_peaks
 from .stress.recovery import shares as shares
+from .body.pin_contact import PinContact as PinContact
+from .body.pin_contact import contact_coordinates as contact_coordinates
+from .body.pin_contact import contact_loads as contact_loads
+from .body.pin_contact import pin_contact as pin_contact
 from .body.reduced import ReducedBody as ReducedBody
 from .body.reduction import Nested as Nested
 from .body.reduction import Partition as Partition

@@ -12,7 +12,6 @@ from exudyn_crawler.case.parameters.track import COUPLING
 from exudyn_crawler.results.checks import cases as ready, solve
 from exudyn_crawler.results.checks.checked_shoe import CheckedShoe
 from exudyn_crawler.results.life.duty import UNLOADED
-from exudyn_crawler.results.stress.hot_spots import BORES
 from fem.body.element_stress import von_mises
 
 TURNED = "turn 70/30, side force at rails"
@@ -87,8 +86,8 @@ def shoe_stresses(
     Passes have the greatest roller load of the first group's load cases in straight travel. If there are
     none, all of the group's load cases count. Check cases are solved once: on ground without steps, stress is
     proportional to force, so that a load case scales it (`docs/check-cases.md`). The check case of turns has
-    pull and roller load of the turn with the greatest needed pull. Bores are left out, since spiders hold
-    them at the pins.
+    pull and roller load of the turn with the greatest needed pull. Bores are left out where a
+    coupling makes their stress.
     """
     normal = [row for row in loads if row.group == loads[0].group]
     travel = [row for row in normal if row.drive == "straight"] or normal
@@ -105,7 +104,7 @@ def shoe_stresses(
     chosen = tuple(case for name, case in cases.items() if name in wanted)
     answers = solve.solve_cases(check.with_(cases=chosen), shoe, say)
     greatest = {}
-    outside = np.flatnonzero(shoe.regions != BORES)
+    outside = np.flatnonzero(~np.isin(shoe.regions, shoe.unused_regions))
     for case, stress in zip(answers.cases, answers.stress, strict=True):
         mises = von_mises(stress[outside])
         node = int(mises.argmax())
@@ -123,7 +122,7 @@ def shoe_stresses(
             if name in greatest  # a mesh without a roller path has no drive that pushes at it
         ]
     cycles = answers.cycle(UNLOADED, FATIGUE)
-    cycles = cycles[cycles["region"] != BORES]
+    cycles = cycles[~cycles["region"].isin(shoe.unused_regions)]
     if cycles.empty:
         return rows, None
     first = cycles.loc[cycles["cycles to a crack"].idxmin()]

@@ -149,6 +149,16 @@ def whole_reduction(case: Case) -> fem.CachedReduction:
 
 
 @lru_cache(maxsize=4)
+def pin_contacts(flexible: FlexibleShoes, track: Track) -> tuple[fem.PinContact, ...]:
+    """Find the pressures of pins in contact, of the shoe's own steel; remembered, and cached on disk."""
+    body, interfaces = shoe_model(flexible, track)
+    factors = partition(body, interfaces)
+    return fem.cached_pin_contacts(
+        reductions.reductions_folder(), factors, _material(flexible), warn=reductions.warn
+    )
+
+
+@lru_cache(maxsize=4)
 def integrated_in(flexible: FlexibleShoes, whole: fem.ReducedBody) -> fem.Nested:
     """Return the integrated modes of flexible shoes, and their positions in the whole reduction; remembered.
 

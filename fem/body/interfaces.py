@@ -5,12 +5,13 @@ body's x, y, z, in m and rad.
 
 The nodes of a rigid spider (RBE2) move with the centre only: it stiffens the bore and distorts the
 stress beside it. The centre of an averaging spider (RBE3) moves as the weighted mean of its nodes. It
-spreads a load over them without stiffening (NASTRAN's RBE3 with equal weights).
+spreads a load over them without stiffening (NASTRAN's RBE3 with equal weights). A spider of a pin in contact
+is an averaging one, to which `pin_contact` adds the pressures of the pin.
 """
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, get_args
 
 import numpy as np
 import scipy.linalg
@@ -20,7 +21,7 @@ from scipy.sparse import coo_array, csr_array, hstack, identity
 from fem.body.elastic_body import rigid_modes
 from fem.body.mesh import Floats, Integers, Mesh
 
-Spider = Literal["rigid", "averaging"]
+Spider = Literal["rigid", "averaging", "contact"]
 COLLINEAR = 1e-6
 """Least ratio of a node group's second to its greatest extent; below it the nodes are collinear."""
 
@@ -37,7 +38,7 @@ class Interface:
     nodes : int array (k,)
         Numbers of the nodes tied to it.
     spider : str
-        "rigid" (RBE2) or "averaging" (RBE3).
+        "rigid" (RBE2), "averaging" (RBE3), or "contact": averaging, with a pin that presses on one side.
 
     Raises
     ------
@@ -59,9 +60,9 @@ class Interface:
             )
         if len(nodes) == 0:
             raise ValueError(f"interface {self.name!r}: nodes must be at least one, got none")
-        if self.spider not in ("rigid", "averaging"):
+        if self.spider not in get_args(Spider):
             raise ValueError(
-                f"interface {self.name!r}: spider must be 'rigid' or 'averaging', got {self.spider!r}"
+                f"interface {self.name!r}: spider must be one of {get_args(Spider)}, got {self.spider!r}"
             )
         object.__setattr__(self, "center", center)
         object.__setattr__(self, "nodes", nodes)

@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from fem.body.bores import AROUND, bore_faces
 from fem.body.elasticity import Material
 from fem.body.element_stress import von_mises
 from fem.body.interfaces import Interface
@@ -129,18 +130,38 @@ class Shapes:
     @property
     def spider_nodes(self) -> Integers:
         """Numbers of the nodes inside spiders, ascending."""
-        return np.unique(np.concatenate([i.nodes for i in self.interfaces]))
+        return np.unique(np.concatenate([np.zeros(0, dtype=np.int64), *(i.nodes for i in self.interfaces)]))
+
+    @property
+    def held_nodes(self) -> Integers:
+        """Numbers of the nodes whose stress is that of a coupling, ascending.
+
+        They are the nodes inside spiders, without bores in which a pin is in contact and which have at least
+        `bores.AROUND` nodes around.
+        """
+        held = [
+            i.nodes
+            for i in self.interfaces
+            if i.spider != "contact" or bore_faces(self.mesh, i).around < AROUND
+        ]
+        return np.unique(np.concatenate([np.zeros(0, dtype=np.int64), *held]))
+
+    @property
+    def pressed_nodes(self) -> Integers:
+        """Numbers of the nodes inside the other spiders, with the stress of a pin in contact, ascending."""
+        return np.setdiff1d(self.spider_nodes, self.held_nodes)
 
     @property
     def nodes_away_from_spiders(self) -> Integers:
-        """Numbers of the nodes neither inside nor beside spiders, ascending."""
-        near = np.concatenate([self.spider_nodes, self.nodes_beside_spiders])
+        """Numbers of the nodes that are neither held nor beside those, ascending."""
+        near = np.concatenate([self.held_nodes, self.nodes_beside_spiders])
         return np.setdiff1d(np.arange(len(self.nodes)), near)
 
     @property
     def nodes_beside_spiders(self) -> Integers:
-        """Numbers of the nodes of elements that touch a spider, without the nodes inside spiders."""
+        """Numbers of the nodes of elements that touch held nodes, without these."""
+        held = self.held_nodes
         inside = np.zeros(len(self.mesh.nodes), dtype=bool)
-        inside[self.spider_nodes] = True
+        inside[held] = True
         touching = inside[self.mesh.elements].any(axis=1)
-        return np.setdiff1d(np.unique(self.mesh.elements[touching]), self.spider_nodes)
+        return np.setdiff1d(np.unique(self.mesh.elements[touching]), held)

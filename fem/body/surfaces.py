@@ -116,7 +116,7 @@ def surface_weights(mesh: Mesh, faces: Integers) -> Floats:
     faces : int array (k, 3 or 6)
         Triangles of nodes; curved edges are kept.
     """
-    barycentric, parts = _triangle_rule()
+    barycentric, parts = triangle_rule()
     values, slopes = triangle_shapes(barycentric, faces.shape[1])
     tangents = np.einsum("qas,kac->kqsc", slopes, mesh.nodes[faces])
     area = np.linalg.norm(np.cross(tangents[:, :, 0], tangents[:, :, 1]), axis=2) * parts
@@ -143,7 +143,7 @@ def triangle_shapes(barycentric: Floats, width: int) -> tuple[Floats, Floats]:
     return values, slopes
 
 
-def _triangle_rule() -> tuple[Floats, Floats]:
+def triangle_rule() -> tuple[Floats, Floats]:
     """Return barycentric points (q, 3) and weights (q,) of a rule of order 6 on the unit triangle."""
     from skfem import ElementTriP1  # takes 0.1 s; naming surfaces does not need it
     from skfem.quadrature import get_quadrature

@@ -17,18 +17,30 @@ from typing import NamedTuple, TypeVar
 import numpy as np
 from filelock import FileLock
 
+from fem.body.bores import bore_faces
 from fem.body.elastic_body import ElasticBody
+from fem.body.elasticity import Material
 from fem.body.interfaces import Interface
 from fem.body.mesh import Floats
+from fem.body.pin_contact import PinContact, pin_contact
 from fem.body.reduced import ReducedBody
 from fem.body.reduction import Partition, craig_bampton
-from fem.files.hdf5 import REDUCED_BODY, STATIC_FIELDS
-from fem.files.reduced_files import load_fields, load_reduced, save_fields, save_reduced
+from fem.files.hdf5 import PIN_PRESSURES, REDUCED_BODY, STATIC_FIELDS
+from fem.files.reduced_files import (
+    load_fields,
+    load_pressures,
+    load_reduced,
+    save_fields,
+    save_pressures,
+    save_reduced,
+)
 from fem.sources import FEM, source_digest
 from fem.stress.static_fields import StaticFields, UnitLoads, static_fields
 
 FIELDS_SUFFIX = ".fields"
 """Suffix of files of static fields before ``.h5``; reductions have none."""
+PINS_SUFFIX = ".pins"
+"""Suffix of files of pressures of pins before ``.h5``."""
 LIMIT = 3e9
 """Size of a folder, bytes, above which the least recently used files go. The study mesh takes 0.3e9."""
 NAMED_BY = 32
@@ -162,6 +174,46 @@ def cached_static_fields(
         "the file of static fields",
     )
     return CachedFields(fields, path, existed)
+
+
+def cached_pin_contacts(
+    folder: str | Path, partition: Partition, pin: Material, warn: Callable[[str], None] = logger.warning
+) -> tuple[PinContact, ...]:
+    """Read the pressures of all pins in contact from a folder, or compute them and save them there.
+
+    Parameters
+    ----------
+    folder : str or Path
+        Created if it is missing.
+    partition : Partition
+        Partition of the body, with its interfaces.
+    pin : Material
+        Material of the pins.
+    warn : callable
+        Gets a line about a file that is broken or cannot be written.
+
+    Returns
+    -------
+    tuple of PinContact
+        One for each interface with the spider "contact"; errors are those of `pin_contact`.
+    """
+    bores = [interface for interface in partition.interfaces if interface.spider == "contact"]
+    if not bores:
+        return ()
+    body = partition.body
+    digest = hashlib.sha256(
+        (PIN_PRESSURES + reduction_digest(body, partition.interfaces, 0) + json.dumps(asdict(pin))).encode()
+    ).hexdigest()
+    path = _cache_path(folder, digest, PINS_SUFFIX)
+    pressures, _ = _read_or_computed(
+        path,
+        lambda: load_pressures(path, digest),
+        lambda: {bore.name: pin_contact(partition, bore, pin).pressures for bore in bores},
+        lambda computed: save_pressures(path, computed, digest),
+        warn,
+        "the file of pressures of pins",
+    )
+    return tuple(PinContact(bore.name, bore_faces(body.mesh, bore), pressures[bore.name]) for bore in bores)
 
 
 def cached_files(folder: str | Path) -> list[Path]:

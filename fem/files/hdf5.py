@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 KIND = "format"
 """Attribute with the kind of a file."""
 REDUCED_BODY, STATIC_FIELDS = "fem reduced body 4", "fem static fields 2"
+PIN_PRESSURES = "fem pin pressures 1"
 """Kinds of files of this package."""
 VERSIONS = ("v110", "v110")
 """Versions of the format: the first one with checksums for the indices of chunks."""

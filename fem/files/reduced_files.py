@@ -2,6 +2,7 @@
 
 import hashlib
 import json
+from collections.abc import Mapping
 from dataclasses import asdict
 from pathlib import Path
 
@@ -10,9 +11,9 @@ import numpy as np
 
 from fem.body.elasticity import Material
 from fem.body.interfaces import Interface
-from fem.body.mesh import Mesh
+from fem.body.mesh import Floats, Mesh
 from fem.body.reduced import ReducedBody
-from fem.files.hdf5 import REDUCED_BODY, STATIC_FIELDS, read_whole, write_rows, write_whole
+from fem.files.hdf5 import PIN_PRESSURES, REDUCED_BODY, STATIC_FIELDS, read_whole, write_rows, write_whole
 from fem.stress.static_fields import StaticFields
 
 _ARRAYS = ("frequencies", "modes", "pilots", "center_of_mass", "inertia", "ritz")
@@ -140,6 +141,67 @@ def _read_fields(file: h5py.File, path: Path, digest: str | None) -> StaticField
     if file.attrs["content"] != _fields_digest(fields):
         raise ValueError(f"{path} must be whole, got content that its digest does not match")
     return fields
+
+
+def save_pressures(path: str | Path, pressures: Mapping[str, Floats], digest: str = "") -> None:
+    """Write pressures of pins in contact into an HDF5 file, replaced only when complete.
+
+    Parameters
+    ----------
+    path : str or Path
+    pressures : mapping of str to array (f, 2 d)
+        By name of the interface, see `pin_contact.PinContact`.
+    digest : str
+        Digest of their inputs, if the file is to serve as a cache.
+    """
+
+    def fill(file: h5py.File) -> None:
+        file.attrs["digest"] = digest
+        file.attrs["content"] = _pressures_digest(pressures)
+        group = file.create_group("pressures")
+        for name, array in pressures.items():
+            write_rows(group, name, array)
+
+    write_whole(Path(path), PIN_PRESSURES, fill)
+
+
+def load_pressures(path: str | Path, digest: str | None = None) -> dict[str, Floats]:
+    """Read pressures of pins in contact.
+
+    Parameters
+    ----------
+    path : str or Path
+        File of `save_pressures`.
+    digest : str, optional
+        Digest that the file must have, if given.
+
+    Raises
+    ------
+    FileNotFoundError
+        If there is no such file.
+    ValueError
+        If the file is broken or not of pressures.
+    StaleCacheError
+        If the digest differs.
+    """
+    return read_whole(Path(path), PIN_PRESSURES, lambda file: _read_pressures(file, Path(path), digest))
+
+
+def _read_pressures(file: h5py.File, path: Path, digest: str | None) -> dict[str, Floats]:
+    if digest is not None and file.attrs["digest"] != digest:
+        raise StaleCacheError(f"{path} must be made with this body and these bores, got others")
+    pressures = {name: array[()] for name, array in file["pressures"].items()}
+    if file.attrs["content"] != _pressures_digest(pressures):
+        raise ValueError(f"{path} must be whole, got content that its digest does not match")
+    return pressures
+
+
+def _pressures_digest(pressures: Mapping[str, Floats]) -> str:
+    """Return the SHA-256 of pressures by name."""
+    sha = hashlib.sha256()
+    for name, array in sorted(pressures.items()):
+        sha.update(json.dumps([name, *array.shape]).encode() + np.ascontiguousarray(array).tobytes())
+    return sha.hexdigest()
 
 
 def _fields_digest(fields: StaticFields) -> str:

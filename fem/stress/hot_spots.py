@@ -12,7 +12,7 @@ from fem.body.element_stress import Criterion
 from fem.body.mesh import Floats, Integers, Mesh
 from fem.body.shapes import Shapes
 from fem.stress.recovery import Peaks, recover_peaks
-from fem.stress.trust import IN_SPIDER, resolution_at
+from fem.stress.trust import IN_SPIDER, resolution_at, with_bores
 
 
 @dataclass(frozen=True)
@@ -206,7 +206,7 @@ def _table(body: Shapes, times: Floats, q: Floats, peaks: Peaks, places: list[in
     rows = peaks.time_indices[places]
     resolved = resolution_at(body, q[rows], nodes)
     flags = np.where(
-        np.isin(nodes, body.spider_nodes),
+        np.isin(nodes, body.held_nodes),
         IN_SPIDER,
         np.where(np.isin(nodes, body.nodes_beside_spiders), "beside spider", ""),
     )
@@ -221,6 +221,6 @@ def _table(body: Shapes, times: Floats, q: Floats, peaks: Peaks, places: list[in
             "z": body.nodes[nodes, 2],
             "flag": flags,
             "jump": np.sqrt(resolved.jump),
-            "error": resolved.error * np.sqrt(resolved.size),
+            "error": with_bores(resolved.error, body, nodes) * np.sqrt(resolved.size),
         }
     )

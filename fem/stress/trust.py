@@ -39,7 +39,9 @@ VERDICTS = (
 OPEN, LIMITED, HELD = range(len(GRADES), len(GRADES) + 3)
 """Numbers of the verdicts that are not grades."""
 IN_SPIDER = "in spider"
-"""Flag of a node that a rigid spider holds."""
+"""Flag of a node that a coupling holds."""
+BORES = 0.18
+"""Least relative error of the stress at a bore with a pin in contact: facets, friction (`docs/fem.md`)."""
 LEFT_OUT = 1e-2
 """Root-mean-square stress that the few fields of an estimate may drop, fraction of the history's."""
 
@@ -203,6 +205,12 @@ def mesh_error(mesh: Mesh, material: Material, displacement: Floats) -> Floats:
     return resolved.error * np.sqrt(resolved.size)
 
 
+def with_bores(error: Floats, body: Shapes, nodes: Integers | None = None) -> Floats:
+    """Return relative errors (n or len(nodes),) of at least `BORES` at bores with a pin in contact."""
+    numbers = np.arange(len(body.nodes)) if nodes is None else nodes
+    return np.where(np.isin(numbers, body.pressed_nodes), np.maximum(error, BORES), error)
+
+
 def verdict_numbers(part: ArrayLike, error: ArrayLike, jump: ArrayLike, held: ArrayLike) -> NDArray[np.int8]:
     """Return the numbers (n,) of the verdicts on stresses; -1 if an uncertainty is not a number.
 
@@ -213,7 +221,7 @@ def verdict_numbers(part: ArrayLike, error: ArrayLike, jump: ArrayLike, held: Ar
     error, jump : array (n,)
         Estimated error of the mesh and disagreement of the elements, fractions of the stress.
     held : array (n,) of bool
-        True if a rigid spider holds the node.
+        True if the stress is that of a coupling, see `Shapes.held_nodes`.
     """
     part = np.asarray(part, dtype=float)
     numbers = np.searchsorted(np.array(GRADES), 100.0 * part)

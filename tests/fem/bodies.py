@@ -50,6 +50,12 @@ def tube(inner: float, outer: float, angle: float, graded: bool = False):
     return mapping
 
 
+def closed(mesh: fem.Mesh) -> fem.Mesh:
+    """Mesh whose nodes at one place are one node, as where a ring of elements meets itself."""
+    _, first, number = np.unique(mesh.nodes.round(9), axis=0, return_index=True, return_inverse=True)
+    return fem.Mesh(mesh.nodes[first], number.ravel()[mesh.elements], {})
+
+
 def beam_body(elements: int) -> fem.ElasticBody:
     """Steel beam of 0.6 x 0.1 x 0.1 m, with its ends as named surfaces."""
     mesh = box_mesh((elements, 1, 1), (0.6, 0.1, 0.1))

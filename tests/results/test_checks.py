@@ -52,6 +52,9 @@ WHOLE, ARM = 3.505, 0.24
 BEAM = 0.06
 """Part by which bending of a beam and of the shoe differ: the load has to spread over the section."""
 
+HELD = SimpleNamespace(unused_regions=["bores"])
+"""Shoe whose bores have the stress of couplings."""
+
 
 @pytest.fixture(scope="module")
 def shoe() -> CheckedShoe:
@@ -126,12 +129,12 @@ def test_bores_head_no_cycles_to_a_crack_and_are_named_behind():
         ("rest", "pull", "bores", 1e8),
     ]
     cycles = pd.DataFrame(rows, columns=["from", "to", "region", CYCLES])
-    worst = CheckResults.worst_cycles.fget(SimpleNamespace(cycles=cycles))
+    worst = CheckResults.worst_cycles.fget(SimpleNamespace(cycles=cycles, shoe=HELD))
     assert worst["to"].tolist() == ["turn", "stone", "pull"]
     assert worst["region"].tolist() == ["web", "wings", "bores"]
     np.testing.assert_array_equal(worst[AT_BORES], [np.nan, 1e4, np.nan])
     apart = cycles[cycles["to"] == "turn"]
-    assert AT_BORES not in CheckResults.worst_cycles.fget(SimpleNamespace(cycles=apart))
+    assert AT_BORES not in CheckResults.worst_cycles.fget(SimpleNamespace(cycles=apart, shoe=HELD))
 
 
 def test_a_check_is_printed_as_a_row_a_region_with_the_pairs_that_are_as_bad():
@@ -143,7 +146,9 @@ def test_a_check_is_printed_as_a_row_a_region_with_the_pairs_that_are_as_bad():
         ("rest", "stone", "bores", 1e4, 0.4, ""),
     ]
     columns = ["from", "to", "region", CYCLES, "an hour", "above yield"]
-    shown = CheckResults.by_region.fget(SimpleNamespace(cycles=pd.DataFrame(rows, columns=columns)))
+    shown = CheckResults.by_region.fget(
+        SimpleNamespace(cycles=pd.DataFrame(rows, columns=columns), shoe=HELD)
+    )
     assert shown["region"].tolist() == ["lugs", "web", "bores, not to be used"]
     assert shown["to"].tolist() == ["stone"] * 3
     assert shown["pairs within 10 %"].tolist() == [1, 2, 1]
@@ -164,8 +169,8 @@ def test_what_yields_is_told_before_what_cracks_first_below_yield():
     check = SimpleNamespace(material=FatigueMaterial.cast_nicrmo())
 
     def lines(rows):
-        worst = CheckResults.worst_cycles.fget(SimpleNamespace(cycles=rows))
-        return check_lines(SimpleNamespace(worst_cycles=worst, table=table, check=check))
+        worst = CheckResults.worst_cycles.fget(SimpleNamespace(cycles=rows, shoe=HELD))
+        return check_lines(SimpleNamespace(worst_cycles=worst, table=table, check=check, shoe=HELD))
 
     above, below = lines(cycles)
     assert above.startswith(

@@ -283,8 +283,9 @@ PAPER_DAMPING = drive.StepProfile(times=ph4100c.DAMPING_FREQUENCIES, values=ph41
 ADAMS_DAMPING = drive.StepProfile(times=(99.0, 101.0, 990.0, 1010.0), values=(0.01, 0.1, 0.1, 1.0))
 """Default damping of ADAMS: 1 % below 100 Hz, 10 % up to 1000 Hz, critical above; jumps are 2 % wide here."""
 
-PinCoupling = Literal["rigid", "averaging"]
-"""Ways in which a pin holds its bore: rigid (RBE2) or averaging (RBE3)."""
+PinCoupling = Literal["rigid", "averaging", "contact"]
+"""Ways in which a pin holds its bore: rigid (RBE2), averaging (RBE3), or averaging with a pin that presses on
+one side in the stress."""
 COUPLING: PinCoupling = "averaging"
 """Coupling of runs, check cases and shoes of CAD files: an averaging one does not stiffen the bore.
 
@@ -356,6 +357,8 @@ class FlexibleShoes(Parameters):
             yield f"damping ratios must not be negative, got {fields.shown(self.damping.values)}"
         if min(self.damping.times) < 0.0:
             yield f"damping frequencies must not be negative, got {fields.shown(self.damping.times)} Hz"
+        if self.pins == "contact" and not self.static_fields:
+            yield 'pins = "contact" needs static_fields = true: no mode has the pressures of a pin'
         most = self.recovered_modes
         if self.fixed_modes > most:
             yield f"fixed_modes must not exceed recovered_modes = {most}, got {self.fixed_modes}"

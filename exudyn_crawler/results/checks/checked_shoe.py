@@ -5,10 +5,19 @@ from functools import cached_property
 import numpy as np
 
 from exudyn_crawler.case import Track
+from exudyn_crawler.model import reductions
 from exudyn_crawler.model.shoe_mesh import pin_interfaces
 from exudyn_crawler.results.checks import cases as ready
-from exudyn_crawler.results.stress.hot_spots import shoe_regions
-from fem import ElasticBody, Partition, Shapes
+from exudyn_crawler.results.stress.hot_spots import BORES, shoe_regions
+from fem import (
+    ElasticBody,
+    Partition,
+    PinContact,
+    Shapes,
+    cached_pin_contacts,
+    contact_coordinates,
+    contact_loads,
+)
 from fem.body import interfaces, supports
 from fem.body.mesh import triangle_normals
 from meshes import STEEL, ShoeDimensions, mesh_named, mesh_shoe, with_load_surfaces
@@ -54,9 +63,17 @@ class CheckedShoe:
         pins = pin_interfaces(mesh, name, track, check.pins)
         self.partition, self.outline = Partition(self.body, pins), ready.ShoeOutline.of(mesh)
         empty = (np.empty((len(mesh.nodes), count, 0)) for count in (3, 6))
-        shapes = Shapes(mesh, STEEL, tuple(pins), *empty)
-        self.regions = shoe_regions(shapes, track)[mesh.surface_nodes]
+        self.shapes = Shapes(mesh, STEEL, tuple(pins), *empty)
+        self.regions = shoe_regions(self.shapes, track)[mesh.surface_nodes]
+        self.unused_regions = [BORES] if len(self.shapes.held_nodes) else []
         self._points: dict[str, supports.SurfacePoints] = {}
+
+    @cached_property
+    def contacts(self) -> tuple[PinContact, ...]:
+        """Pins in contact, of the shoe's steel, cached on disk."""
+        return cached_pin_contacts(
+            reductions.reductions_folder(), self.partition, STEEL, warn=reductions.warn
+        )
 
     @cached_property
     def bed(self) -> supports.OneSidedBed:
@@ -116,7 +133,7 @@ class CheckedShoe:
         return points.chosen(np.flatnonzero(chosen)).spread(np.array(load.force))
 
     def loads(self, case: ready.CheckCase) -> np.ndarray:
-        """Return the loads of a case without the ground's, forces of holding pins included.
+        """Return the loads of a case without the ground's, forces of holding pins and their contact included.
 
         ValueError, with the remaining force and moment, for loads out of balance.
         """
@@ -142,6 +159,12 @@ class CheckedShoe:
                 f"without ground the loads must be in balance, got forces "
                 f"{left[:3].round(1).tolist()} N and moments {left[3:].round(1).tolist()} N m that remain"
             )
+        if self.contacts:
+            joined = self.contacts, self.partition.interfaces
+            pressed = contact_coordinates(*joined, centers.reshape(1, -1, 6))[0]
+            nodal, taken = contact_loads(*joined, len(self.mesh.nodes))
+            forces += nodal @ pressed
+            centers += taken @ pressed
         return loads
 
     def parts(self, loads: np.ndarray) -> list[np.ndarray]:

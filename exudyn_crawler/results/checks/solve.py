@@ -46,11 +46,11 @@ class CheckResults:
     def worst_cycles(self) -> pd.DataFrame:
         """Rows of `cycles` for the first region to crack, a row for each pair; the shortest first.
 
-        Bores do not count, since their stress beside a pin's coupling is not used. If bores have fewer
+        Bores do not count where their stress beside a pin's coupling is not used. If they have fewer
         cycles, a last column `AT_BORES` has them. A pair that stresses bores alone has their row.
         """
         pair = ["from", "to"]
-        is_bore = self.cycles["region"] == BORES
+        is_bore = self.cycles["region"].isin(self.shoe.unused_regions)
         usable = self.cycles[~is_bore]
         worst = usable.loc[usable.groupby(pair, sort=False)[CYCLES].idxmin()]
         bores = self.cycles[is_bore]
@@ -71,7 +71,7 @@ class CheckResults:
         near = self.cycles[self.cycles[CYCLES] <= NEAR * least].groupby("region").size()
         columns = ["region", CYCLES, "from", "to", "an hour", "above yield"]
         table = first[columns].assign(**{"pairs within 10 %": first["region"].map(near)})
-        is_bore = table["region"] == BORES
+        is_bore = table["region"].isin(self.shoe.unused_regions)
         last = table[is_bore].assign(region=f"{BORES}, not to be used")
         return pd.concat((table[~is_bore], last), ignore_index=True)
 

@@ -8,7 +8,7 @@ import pandas as pd
 from exudyn_crawler.results.checks import cases as ready
 from exudyn_crawler.results.checks.checked_shoe import CheckedShoe
 from exudyn_crawler.results.life.duty import UNLOADED
-from exudyn_crawler.results.stress.hot_spots import BORES, REGIONS
+from exudyn_crawler.results.stress.hot_spots import REGIONS
 from fem.body import supports
 from fem.body.element_stress import principal, von_mises
 from fem.fatigue import defects
@@ -63,9 +63,11 @@ def peak_table(
         rows = highest.reindex([region for region in REGIONS if region in highest]).to_numpy()
         node = shoe.mesh.surface_nodes[rows]
         region = shoe.regions[rows]
-        error = resolved.error[node]
+        error = trust.with_bores(resolved.error, shoe.shapes)[node]
         principals = principal(stress[k, rows]) / MEGA
-        verdicts = trust.verdict_numbers(error, error, resolved.relative_jump[node], region == BORES)
+        verdicts = trust.verdict_numbers(
+            error, error, resolved.relative_jump[node], np.isin(region, shoe.unused_regions)
+        )
         columns = {
             "case": name,
             "region": region,

@@ -125,7 +125,7 @@ def life_of(
     peak = np.where(np.isnan(mean[-1]), np.nan, peaks.max(axis=0))
     breaks = peak.max(axis=0) > duty.material.tensile_strength
     known = _worst_first(np.where(breaks, np.inf, mean[-1]))
-    shown = _shown(known, regions, duty)
+    shown = _shown(known, regions, duty, whole)
     worst = np.union1d(known.index[known > 0.0][: duty.plane_nodes], shown)
     say(f"critical planes of the {len(worst)} worst nodes")
     on_plane, directions = _on_critical_planes(duty, runs, groups, worst)
@@ -209,14 +209,15 @@ def _worst_first(damage: np.ndarray) -> pd.Series:
     return pd.Series(damage).dropna().sort_values(ascending=False, kind="stable")
 
 
-def _shown(known: pd.Series, regions: np.ndarray, duty: Duty) -> list[int]:
+def _shown(known: pd.Series, regions: np.ndarray, duty: Duty, whole: Shapes) -> list[int]:
     """Return the worst node of every region, the worst first, then the duty's chosen nodes.
 
     `known` has the damages in falling order. The worst node of the bores comes after those of other regions:
     its stress beside a pin coupling is not used.
     """
     shortest = known.groupby(regions[known.index], sort=False).head(1).index.tolist()
-    usable = [node for node in shortest if regions[node] != hot_spots.BORES]
+    held = set(whole.held_nodes.tolist())
+    usable = [node for node in shortest if node not in held]
     return list(dict.fromkeys([*usable, *shortest, *duty.nodes]))
 
 
@@ -257,7 +258,8 @@ def life_of_stages(duty: Duty, stages: Sequence[LifeResults]) -> LifeResults:
     }
     worst = np.divide(1.0, hours[-1], out=np.full(mean[-1].shape, np.inf), where=hours[-1] > 0.0)
     worst = np.where(broken[-1], worst, mean[-1])
-    shown = _shown(_worst_first(np.where(np.isnan(mean[-1]), np.nan, worst)), last.regions, duty)
+    known = _worst_first(np.where(np.isnan(mean[-1]), np.nan, worst))
+    shown = _shown(known, last.regions, duty, last.whole)
     nodes = dict(last.nodes)
     if more := [node for node in shown if node not in nodes]:
         nodes |= node_lives(last.duty, last.runs, _curves(duty, last.regions, more))
@@ -407,17 +409,18 @@ def _life_trust(
     """
     resolved = [trust.resolution_over(run.basis.shapes, _changes(run.basis.coordinates)) for run in runs]
     resolution = sum(resolved[1:], start=resolved[0])
+    error = trust.with_bores(resolution.error, runs[0].basis.shapes)
     known = ~np.isnan(damage).any(axis=0)
     greatest = np.max(np.where(known, amplitude, 0.0), axis=0)
     most = max(run.basis.bound or 0.0 for run in runs)
-    part = resolution.error + np.divide(most, greatest, out=np.zeros_like(greatest), where=greatest > 0.0)
+    part = error + np.divide(most, greatest, out=np.zeros_like(greatest), where=greatest > 0.0)
     worst = np.argmax(np.where(known, damage, 0.0), axis=0)
     known_spreads = [spread.values[worst, np.arange(len(part))] for spread in spreads if spread is not None]
     part = np.where(known, part + np.max([np.zeros_like(part), *known_spreads], axis=0), np.nan)
-    held = np.isin(np.arange(len(part)), runs[0].basis.shapes.spider_nodes) & known
+    held = np.isin(np.arange(len(part)), runs[0].basis.shapes.held_nodes) & known
     return {
         "stress_error": part,
-        "verdict": trust.verdict_numbers(part, resolution.error, resolution.relative_jump, held),
+        "verdict": trust.verdict_numbers(part, error, resolution.relative_jump, held),
         "life_factor": (1.0 + part) ** curve.steepest,
     }
 
@@ -496,7 +499,7 @@ def shortest_lives(
         if name.startswith(LIFE)
     }
     beside = np.where(np.isin(data.node, whole.nodes_beside_spiders), "beside spider", "")
-    columns["flag"] = np.where(np.isin(data.node, whole.spider_nodes), trust.IN_SPIDER, beside)
+    columns["flag"] = np.where(np.isin(data.node, whole.held_nodes), trust.IN_SPIDER, beside)
     return pd.DataFrame(columns)
 
 

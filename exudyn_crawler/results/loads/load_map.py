@@ -10,6 +10,8 @@ Coordinates of each family:
 - ground: (point, 3): tractions over the rectangles from a corner of the underside to the points of a grid
 - rails: (station, 3): forces at stations along each strip of the treads; present under wheels
 - drive: (3,): force on the pulled node; absent without such a node
+- pins: (bore, 2, direction): forces of pins in contact, and moments that move them along their bores; each
+  less the same load of the coupling, so that they are in balance; absent without contact
 - inertia: (mode,): momentum of the integrated modes
 
 The ground's grid and the rails' cubics are those of the equations of motion. A uniform traction over any
@@ -37,7 +39,7 @@ from exudyn_crawler.model import flexible_shoes, shoe_mesh
 from exudyn_crawler.results.history.history import History
 from exudyn_crawler.results.loads import actions
 from exudyn_crawler.results.loads.kinds import Kind
-from fem import ElasticBody, Nested, ReducedBody
+from fem import ElasticBody, Nested, PinContact, ReducedBody, contact_coordinates, contact_loads
 from fem.body import rectangle_motion
 
 JOINTS = "joints"
@@ -45,7 +47,10 @@ MACHINE = "machine"
 GROUND = "ground"
 RAILS = "rails"
 DRIVE = "drive"
+PINS = "pins"
 INERTIA = "inertia"
+PIN_KINDS = (Kind.JOINT, Kind.CHAIN, Kind.DRIVE)
+"""Kinds of actions on joint centres that pins transmit; teeth press on the lugs themselves."""
 
 THIRDS = 3  # number of pieces between two stations of the equations' rails, since a cubic has four values
 STRIP_STATIONS = THIRDS * (shoe_mesh.STATIONS - 1) + 1  # stations along the line of a strip
@@ -89,12 +94,14 @@ class ShoeUnitLoads:
     underside: rectangle_motion.Underside | None  # grid of the family "ground"; None on cells
     strips: StripStations | None  # stations of "rails"; None without wheels on rails
     spread: Mapping[str, NodalShares]  # families with forces shared by nodes
+    contacts: tuple[PinContact, ...]  # pins of the family "pins"
 
     @cached_property
     def families(self) -> dict[str, slice]:
         """Slice of the coordinates of each family."""
         counts = {JOINTS: 6 * len(self.whole.interfaces)}
         counts |= {name: 3 * len(family.weights) for name, family in self.spread.items()}
+        counts |= {PINS: self.pressures[1].shape[1]} if self.contacts else {}
         counts[INERTIA] = len(self.integrated.body.frequencies)
         ends = np.cumsum(list(counts.values())).tolist()
         return {name: slice(end - counts[name], end) for name, end in zip(counts, ends, strict=True)}
@@ -105,6 +112,11 @@ class ShoeUnitLoads:
         return self.families[INERTIA].stop
 
     @cached_property
+    def pressures(self) -> tuple[csr_array, np.ndarray]:
+        """Loads (3 n, p) on nodes and (6 i, p) on joint centres of the family "pins"."""
+        return contact_loads(self.contacts, self.whole.interfaces, len(self.whole.nodes))
+
+    @cached_property
     def work(self) -> np.ndarray:
         """Work (k, M) of the unit loads on all modes, their modal loads."""
         modes = self.whole.modes
@@ -112,7 +124,10 @@ class ShoeUnitLoads:
         spread = [
             np.tensordot(family.weights, modes[family.nodes], axes=1) for family in self.spread.values()
         ]
-        rows = [block.reshape(-1, count) for block in (self.whole.pilots, *spread)]
+        nodal, centers = self.pressures
+        pilots = self.whole.pilots.reshape(-1, count)
+        pressed = nodal.T @ modes.reshape(-1, count) + centers.T @ pilots
+        rows = [block.reshape(-1, count) for block in (pilots, *spread, pressed)]
         return np.concatenate([*rows, self.integrated.inside.T])
 
     @cached_property
@@ -127,7 +142,12 @@ class ShoeUnitLoads:
             nodal[family.nodes] += family.weights.T @ loads[self.families[name]].reshape(-1, 3)
         modes = self.integrated.body.modes
         inertia = self.body.mass_matrix @ (modes @ loads[self.families[INERTIA]]).ravel()
-        return nodal + inertia.reshape(-1, 3), loads[self.families[JOINTS]].reshape(-1, 6)
+        centers = loads[self.families[JOINTS]]
+        if self.contacts:
+            pressed, taken = self.pressures
+            nodal += (pressed @ loads[self.families[PINS]]).reshape(-1, 3)
+            centers = centers + taken @ loads[self.families[PINS]]
+        return nodal + inertia.reshape(-1, 3), centers.reshape(-1, 6)
 
 
 def unit_loads(case: Case) -> ShoeUnitLoads:
@@ -176,7 +196,8 @@ def _unit_loads(
         spread[DRIVE] = NodalShares(np.array([node]), np.eye(1))
     rectangles = None if cells else underside
     integrated = flexible_shoes.integrated_in(flexible, whole)
-    return ShoeUnitLoads(body, whole, integrated, rectangles, strips, spread)
+    contacts = flexible_shoes.pin_contacts(flexible, track)
+    return ShoeUnitLoads(body, whole, integrated, rectangles, strips, spread, contacts)
 
 
 def shares_of(units: ShoeUnitLoads, action: actions.Action) -> tuple[str, np.ndarray, np.ndarray] | None:
@@ -245,7 +266,24 @@ def loads_by_kind(history: History, shoe: int) -> dict[Kind, csr_array]:
     acting = sum(by_kind.values(), start=csr_array((len(q), units.size)))
     momentum = elastic - acting @ units.work @ units.integrated.inside
     before = csr_array((len(q), units.families[INERTIA].start))
-    return by_kind | {Kind.INERTIA: hstack((before, csr_array(momentum)), format="csr")}
+    by_kind[Kind.INERTIA] = hstack((before, csr_array(momentum)), format="csr")
+    if units.contacts:
+        # in balance with the coupling and without effect on the integrated motion
+        pressed = _pressed(units, by_kind)
+        by_kind[Kind.JOINT] = by_kind[Kind.JOINT] + pressed if Kind.JOINT in by_kind else pressed
+    return by_kind
+
+
+def _pressed(units: ShoeUnitLoads, by_kind: Mapping[Kind, csr_array]) -> csr_array:
+    """Return the coordinates (times, k) of pins in contact under the loads of their kinds."""
+    joints = units.families[JOINTS]
+    of_pins = [by_kind[kind][:, joints].toarray() for kind in PIN_KINDS if kind in by_kind]
+    times = next(iter(by_kind.values())).shape[0]
+    loads = sum(of_pins, start=np.zeros((times, joints.stop)))
+    found = contact_coordinates(units.contacts, units.whole.interfaces, loads.reshape(times, -1, 6))
+    place = units.families[PINS]
+    around = [csr_array((times, place.start)), csr_array(found), csr_array((times, units.size - place.stop))]
+    return csr_array(hstack(around, format="csr"))
 
 
 def check_flexible(case: Case, shoe: int) -> None:

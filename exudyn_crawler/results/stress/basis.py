@@ -122,6 +122,8 @@ def field_families(units: load_map.ShoeUnitLoads) -> dict[str, fem.UnitLoads]:
             weights = np.zeros((len(mesh.nodes), len(family.weights)))
             weights[family.nodes] = family.weights.T
         families[name] = fem.UnitLoads.spread(csr_array(weights), interfaces)
+    if units.contacts:
+        families[load_map.PINS] = fem.UnitLoads(*units.pressures)
     families[load_map.INERTIA] = fem.UnitLoads.of_inertia(units.integrated.body.modes, interfaces)
     return families
 
@@ -139,6 +141,8 @@ def field_shares(units: load_map.ShoeUnitLoads) -> csr_array:
         else:
             shares = eye_array(len(family.weights))
         blocks.append(kron(shares, eye_array(3)))
+    if units.contacts:
+        blocks.append(eye_array(units.pressures[1].shape[1]))
     blocks.append(eye_array(len(units.integrated.body.frequencies)))
     return csr_array(block_diag(blocks))
 

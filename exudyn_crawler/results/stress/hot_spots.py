@@ -23,7 +23,7 @@ HOT_SPOTS = 5  # number of rows in the S-paper's hot-spot tables
 
 Region = Literal["roller path", "notches", "lugs", "bores", "web", "wings"]
 REGIONS: tuple[Region, ...] = get_args(Region)
-BORES: Region = "bores"  # nodes in a joint's rigid spider; their stress is not used
+BORES: Region = "bores"  # nodes in a joint's coupling; their stress is used if a pin is in contact
 LUG_RADIUS, LUG_HALF_WIDTH = 0.24, 0.2
 """Radius about a pin's axis that includes the fillets at a lug's root, and least half width of a lug, m."""
 FLANGE, BESIDE_LUG = 0.05, (0.015, 0.1)  # m: depth below the top; least and greatest way from a bore's end
@@ -87,7 +87,7 @@ def mesh_dataset(whole: Shapes) -> xr.Dataset:
     named = {
         "node_position": whole.nodes,
         "triangle": flat_triangles(whole.mesh.boundary),
-        "in_spider": np.isin(np.arange(len(whole.nodes)), whole.spider_nodes),
+        "in_spider": np.isin(np.arange(len(whole.nodes)), whole.held_nodes),
     }
     variables = {name: catalogue.variable(name, values) for name, values in named.items()}
     return xr.Dataset(variables, {"node": np.arange(len(whole.nodes)), "axis": ["x", "y", "z"]})
@@ -175,7 +175,7 @@ def ranked_nodes(
     The highest usable nodes come first. The highest node in a joint's rigid spider follows them if it is
     higher: its stress is that beside a rigid ring and is not used.
     """
-    is_held = regions == BORES
+    is_held = np.isin(np.arange(len(regions)), basis.shapes.held_nodes)
     usable = np.flatnonzero(away & ~is_held)
     table = highest_nodes(history, basis, shoe, peaks, regions, usable)
     held = np.flatnonzero(away & is_held)

@@ -62,7 +62,7 @@ def recover_stresses(
     regions = hot_spots.shoe_regions(whole, history.case.track)
     pulled = {shoe: hot_spots.near_pull(history, whole, shoe) for shoe in coordinates}
     usable = {
-        shoe: np.flatnonzero(~at_load & (regions != hot_spots.BORES)) for shoe, at_load in pulled.items()
+        shoe: np.setdiff1d(np.flatnonzero(~at_load), whole.held_nodes) for shoe, at_load in pulled.items()
     }
     scaled = scaled_shapes(whole.stress_modes)
     give_back_memory()
@@ -132,7 +132,7 @@ def _of_shoe(
         "peak_von_mises": extremes.greatest,
         "peak_time": time[extremes.greatest_at],
         "least_von_mises": extremes.least,
-        "peak_mesh_error": resolved.error.astype(np.float32),
+        "peak_mesh_error": trust.with_bores(resolved.error, whole).astype(np.float32),
         "peak_jump": resolved.relative_jump.astype(np.float32),
         "at_load": at_load,
         "frame_von_mises": whole.von_mises(q[frames]).astype(np.float32),
@@ -192,7 +192,7 @@ def node_stress(
     number, distance = _chosen(whole, near, node)
     history = history if isinstance(history, History) else History.load(history)
     stress = sum(loads_by_kind(history, shoe).values()) @ unit_stress(case, number)
-    in_spider = bool(np.isin(number, whole.spider_nodes))
+    in_spider = bool(np.isin(number, whole.held_nodes))
     pascal = {"units": "Pa"}
     return xr.Dataset(
         {

@@ -25,7 +25,7 @@ from exudyn_crawler.results.life.life import (
     life_hours,
     life_words,
 )
-from exudyn_crawler.results.stress.hot_spots import BORES, flat_triangles
+from exudyn_crawler.results.stress.hot_spots import flat_triangles
 from exudyn_crawler.settings.fields import case_rows
 from exudyn_crawler.views import style
 from exudyn_crawler.views.pages import packing, page
@@ -230,11 +230,11 @@ def damage_parts(lives: LifeResults) -> pd.DataFrame:
 def check_lines(checked: CheckResults) -> list[str]:
     """Return lines on what yields in a checked shoe, and what cracks first without yield.
 
-    Both leave out bores, whose stress is not to be used. Above yield, a shoe bends for good: linear stress
+    Both leave out bores whose stress is not to be used. Above yield, a shoe bends for good: linear stress
     does not hold, and cycles to a crack are formal.
     """
     worst = checked.worst_cycles
-    worst = worst[worst["region"] != BORES]
+    worst = worst[~worst["region"].isin(checked.shoe.unused_regions)]
     peaks = checked.table.set_index(["case", "region"])
     is_above = (worst["above yield"] == "yes").to_numpy()
     lines = []
@@ -313,10 +313,9 @@ def case_figure(checked: CheckResults, number: int) -> Figure:
             ax.set_axis_off()
         rows = checked.table[checked.table["case"] == case.name]
         peaks = dict(zip(rows["region"], rows["von Mises in MPa"], strict=True))
-        at_bores = peaks.pop(BORES, None)
+        unused = {region: peaks.pop(region) for region in checked.shoe.unused_regions if region in peaks}
         words = ", ".join(f"{region} {peak:.0f}" for region, peak in peaks.items()) + " MPa"
-        if at_bores is not None:
-            words += f" ({BORES} {at_bores:.0f}, not to be used)"
+        words += "".join(f" ({region} {peak:.0f}, not to be used)" for region, peak in unused.items())
         figure.suptitle(f"{case.name}\n{words}; displacement x {larger:g}", parse_math=False)
         figure.colorbar(style.scale_of(0.0, high, style.STRESS_MAP), ax=axes, label=colouring.title)
     return figure
