@@ -27,7 +27,14 @@ ROOT = Path(__file__).parents[2]
 PARTS = ("docs", "meshes", "benchmarks")
 PAGES = sorted([*ROOT.glob("*.md"), *(page for part in PARTS for page in (ROOT / part).rglob("*.md"))])
 NAMES = [str(page.relative_to(ROOT)) for page in PAGES]
-LONG = {"python.md", "machine_in_python.md", "own_shoe_mesh.md", "own_load_cycle.md", "reading_results.md"}
+LONG = {
+    "python.md",
+    "machine_in_python.md",
+    "own_shoe_mesh.md",
+    "own_load_cycle.md",
+    "reading_results.md",
+    "own_model.md",
+}
 """Pages whose examples are whole runs or meshes: a quarter of a minute and more."""
 LANGUAGES = {"python", "toml", "sh", "csv", "math", "text", "{toctree}", "{eval-rst}", "{index}"}
 """Of fenced blocks: the first two are checked here, the others are for reading."""
