@@ -216,7 +216,8 @@ def test_straight_travel_beside_a_run(tmp_path, told):
     # three shoes pass the tumbler
     history = simulate(case, 12.6, progress=False)
     numbers = numbers_of(case, BARE.with_(drive={"rest_tension": 261e3}))
-    needed = travel.resistance(numbers.weight, 0.0, 0.03) / 2.0 + numbers.chain.idler_drag
+    resistance = travel.TravelResistance(0.03, numbers.chain.idler_drag, numbers.footprints)
+    needed = resistance.pull(numbers.weight) / 2.0
     run = run_forces.forces_of_run(history, "straight")
     assert run.torque == pytest.approx(needed * numbers.drive.radius, rel=0.1)
     assert run.tension < 2.0 * (261e3 + needed)
