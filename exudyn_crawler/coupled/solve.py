@@ -125,6 +125,8 @@ def _user_functions(mbs: "exu.MainSystem", step: CoupledStep, waiting: Sequence[
 
     def accepted(mbs: "exu.MainSystem", time: float) -> bool:
         step.accept()
+        for track in tracks_of(mbs):
+            track.store_frame(time)
         goes_on = bool(after["function"](mbs, time)) if after else True
         return goes_on and not waiting
 

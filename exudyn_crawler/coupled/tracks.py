@@ -7,6 +7,7 @@ from numpy.typing import ArrayLike
 
 from exudyn_crawler.case import Case
 from exudyn_crawler.coupled.block import TrackBlock
+from exudyn_crawler.coupled.film import Film
 from exudyn_crawler.coupled.placement import Placement
 from exudyn_crawler.coupled.rest import SHARE, rest_under
 from exudyn_crawler.coupled.user_model import CarItems
@@ -38,6 +39,7 @@ class CoupledTrack:
     def __init__(self, mbs: "exu.MainSystem", car: CarItems, block: TrackBlock) -> None:
         self._mbs = mbs
         self._history: tuple[np.ndarray, History] | None = None
+        self.film: Film | None = None
         self.car = car
         self.block = block
         self.body = car.body
@@ -93,6 +95,21 @@ class CoupledTrack:
                 name=name, sensorNumbers=[], factors=[], storeInternal=True, sensorUserFunction=values
             )
         )
+
+    def add_graphics(self, interval: float = 0.02) -> int:
+        """Draw shoes, wheels, frames and ground in Exudyn's renderer and SolutionViewer; return the object.
+
+        They are graphics of a ground object. Its states are stored at the interval (s), in memory, and the
+        nearest one to the drawn time is shown.
+        """
+        self.film = Film(self.block, interval)
+        visualization = items.VObjectGround(graphicsDataUserFunction=self.film.graphics_at_shown_time)
+        return self._mbs.AddObject(items.ObjectGround(visualization=visualization))
+
+    def store_frame(self, time: float) -> None:
+        """Store the last step, up to a time (s), for the graphics, if there are any and it is due."""
+        if self.film is not None:
+            self.film.store(time)
 
     def place(self, point: ArrayLike) -> np.ndarray:
         """Return a point of the car body (..., 3), m in its axes, at rest in the user's frame."""

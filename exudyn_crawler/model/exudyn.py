@@ -11,11 +11,19 @@ from typing import Any
 import exudyn as exu
 import exudyn.itemInterface as items
 import numpy as np
+from exudyn.graphics import FromPointsAndTrigs
 from exudyn.rigidBodyUtilities import EulerParameters2G, EulerParameters2RotationMatrix, RigidBodyInertia
 
 exu.config.printToConsole = False
 
-__all__ = ["EulerParameters2G", "EulerParameters2RotationMatrix", "RigidBodyInertia", "exu", "items"]
+__all__ = [
+    "EulerParameters2G",
+    "EulerParameters2RotationMatrix",
+    "FromPointsAndTrigs",
+    "RigidBodyInertia",
+    "exu",
+    "items",
+]
 
 
 SLACK = 1e-6

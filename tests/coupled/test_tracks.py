@@ -62,3 +62,28 @@ def test_run_that_fails_names_the_track_and_the_equation():
     with pytest.raises(SimulationStopped, match="track 1: Newton's method failed") as stopped:
         solve_dynamic(mbs, settings(case, 0.02, 0.004))
     assert stopped.value.time == pytest.approx(0.004)
+
+
+def test_renderer_gets_shoes_wheels_and_ground_where_they_are():
+    """Without a display: the data that Exudyn would draw, of a track that is turned round."""
+    case = small_case()
+    _container, mbs = model()
+    track = add_track(mbs, case, position=[5.0, 1.0, 0.5], heading=np.pi / 2.0)
+    number = track.add_graphics(interval=0.01)
+    draw = mbs.GetObject(number)["VgraphicsDataUserFunction"]["function"]
+    start = draw(mbs, number)
+    mbs.Assemble()
+    solve_dynamic(mbs, settings(case, 0.03))
+    assert track.film.times == pytest.approx([0.0, 0.01, 0.02, 0.03])
+    now = track.film.graphics(0.03)
+    assert [len(one["points"]) for one in now] == [len(one["points"]) for one in start]
+    for one in now:
+        assert one["type"] == "TriangleList"
+        assert np.max(one["triangles"]) == len(np.reshape(one["points"], (-1, 3))) - 1
+    places = track.history.position.isel(time=0).values @ track.car.placement.turn.T + [5.0, 1.0, 0.5]
+    # ground, then the boxes of all shoes about their COMs
+    boxes = np.reshape(now[1]["points"], (-1, 8, 3))
+    assert np.abs(boxes.mean(axis=1) - places).max() < 0.3
+    assert np.ptp(boxes, axis=1).min() > 0.1
+    moved = np.reshape(track.film.graphics(0.0)[1]["points"], (-1, 3)) - boxes.reshape(-1, 3)
+    assert np.abs(moved).max() > 1e-5
