@@ -44,7 +44,9 @@ class Commands:
         count = self._system.case.gear.tracks
         found = np.array(values, dtype=float).reshape(-1)
         if len(found) != count or not np.isfinite(found).all():
-            raise ValueError(f"{name} must be {count} finite numbers, one for each track, got {found.tolist()}")
+            raise ValueError(
+                f"{name} must be {count} finite numbers, one for each track, got {found.tolist()}"
+            )
         return found
 
     def applied(self, inputs: Inputs) -> Inputs:

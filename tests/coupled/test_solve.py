@@ -9,6 +9,8 @@ from exudyn_crawler.coupled.rest import TENSOR, Mass
 from exudyn_crawler.coupled.step import CoupledStep
 from exudyn_crawler.ground.rotations import rotation_matrices
 from exudyn_crawler.model.exudyn import exu, items
+from exudyn_crawler.results.history import states
+from studies.balance import energy_balance
 from tests.coupled.models import (
     STEP,
     add_box,
@@ -243,3 +245,34 @@ def test_boom_that_slews_at_a_constant_rate_pulls_by_its_centripetal_force():
     assert force - weight == pytest.approx(pull, abs=0.02 * np.linalg.norm(pull[:2]))
     moment = np.cross(place - origin, pull) + np.cross(center - origin, weight)
     assert torque == pytest.approx(moment, abs=1e-2 * mass * 9.81 * arm)
+
+
+def test_energy_that_the_pendulum_loses_goes_into_the_track():
+    """The imbalance of the track's energy is the change of that of the bodies on its frame."""
+    case = small_case()
+    _container, mbs = model()
+    mass, height = 20e3, 4.0
+    track = add_track(mbs, case, carried_mass=mass, carried_com=(0.0, 0.0, height))
+    bob = add_pendulum(mbs, track, mass, LENGTH, height, 0.6)
+    mbs.Assemble()
+    rows, energies = [], []
+
+    def energy():
+        kind = exu.OutputVariableType
+        asked = kind.Position, kind.AngularVelocity
+        place, spin = (mbs.GetObjectOutputBody(bob, one, [0, 0, 0]) for one in asked)
+        velocity = speed(mbs, bob)
+        return 0.5 * mass * velocity @ velocity + mass / 12.0 * spin @ spin - mass * track.gravity @ place
+
+    def store(*_):
+        rows.append(track.block.system.state())
+        energies.append(energy())
+        return True
+
+    mbs.SetPostStepUserFunction(store)
+    solve_dynamic(mbs, settings(case, 0.2))
+    balance = energy_balance(states.system_history(track.block.system, np.array(rows)))
+    change = np.array(energies) - energies[0]
+    assert np.abs(change).max() > 1e3
+    # the balance of the track by itself closes as well
+    assert np.abs(balance.imbalance.values - change).max() < 1e-3 * float(balance.frame_kinetic.max())

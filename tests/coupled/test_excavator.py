@@ -1,0 +1,41 @@
+"""A pendulum on an excavator on sand: two closed tracks with a hundred shoes."""
+
+import numpy as np
+import pytest
+
+from exudyn_crawler import StepProfile, add_track, read_case, solve_dynamic
+from exudyn_crawler.model.exudyn import items
+from tests.coupled.models import add_pendulum, add_sensor, model, settings
+
+pytestmark = [pytest.mark.simulation, pytest.mark.slow]
+
+LENGTH, HEIGHT, BOB = 3.0, 5.0, 1500.0  # m, m, kg
+
+
+def test_pendulum_on_an_excavator_takes_the_iterations_of_the_machine_alone(tmp_path):
+    path = tmp_path / "excavator.toml"
+    path.write_text('name = "excavator"\nduration = 1.0\n\n[datasheet]\nbase = "pc300lc"\n')
+    case = read_case(path).case
+    case = case.with_(drive=case.drive.with_(speed=StepProfile.constant(0.0)))
+    _container, mbs = model()
+    track = add_track(mbs, case, carried_mass=BOB, carried_com=(0.0, 0.0, HEIGHT))
+    bob = add_pendulum(mbs, track, BOB, LENGTH, HEIGHT, 0.2)
+    angles = add_sensor(mbs, bob, "Rotation")
+    load = mbs.AddSensor(items.SensorLoad(loadNumber=track.car.force, storeInternal=True))
+    mbs.Assemble()
+    solve_dynamic(mbs, settings(case, 1.0))
+    time, _, swing, _ = mbs.GetSensorStoredData(angles).T
+    k = int(np.flatnonzero(np.diff(np.sign(swing)))[0])
+    quarter = time[k] - swing[k] * (time[k + 1] - time[k]) / (swing[k + 1] - swing[k])
+    angle = abs(swing[0])
+    gravity = np.linalg.norm(track.gravity)
+    radius = LENGTH + 1.0 / (6.0 * LENGTH)
+    period = 2.0 * np.pi * np.sqrt(radius / gravity) * (1.0 + angle**2 / 16.0 + 11.0 * angle**4 / 3072.0)
+    assert 4.0 * quarter == pytest.approx(period, rel=2e-3)
+    own = mbs.GetObject(track.body)["mass"] * gravity
+    pull = mbs.GetSensorStoredData(load)[:, 3].max() - own
+    lowest = BOB * gravity + BOB * LENGTH * 2.0 * gravity * (1.0 - np.cos(angle)) / radius
+    assert pull == pytest.approx(lowest, rel=2e-3)
+    steps = len(time) - 1
+    assert track.block.iterations < 1.5 * steps
+    print(4 * quarter / period, pull / lowest, track.block.iterations / steps, track.block.matrices / steps)
