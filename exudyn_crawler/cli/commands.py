@@ -222,12 +222,14 @@ def show_standing(case: "Case") -> None:
 
 def show_answers(run: "CaseRun") -> None:
     """Print the greatest values of a run, and location and verdict of its peak stress."""
-    from exudyn_crawler.results.history.summary import key_results
+    from exudyn_crawler.results.history.summary import key_results, start_ends
     from exudyn_crawler.results.stress.hot_spots import hot_spot_table, peak_spots
 
     stresses = run.stresses
     table = key_results(run.history, None if stresses is None else stresses.dataset)
-    print_table(table.rename(columns={"at": "at t in s"}), f"{run.history.case.name}: results")
+    begin = start_ends(run.history)
+    window = f", greatest forces and speeds after the start of {begin:.4g} s" if begin else ""
+    print_table(table.rename(columns={"at": "at t in s"}), f"{run.history.case.name}: results{window}")
     if stresses is None:
         return
     for words, (shoe, spot) in peak_spots(stresses.hot_spots).items():

@@ -63,7 +63,7 @@ def show_values(case_file: "crawler.CaseFile", title: str) -> None:
 
 def show_machine(history: "crawler.History") -> None:
     """Print the answers of a run on its machine, in terms of undercarriages."""
-    from exudyn_crawler.results.history.machine import machine_answers, together
+    from exudyn_crawler.results.history.machine import evaluated_from, machine_answers, together
 
-    title = f"{history.case.name}: the machine, second half of the run"
+    title = f"{history.case.name}: the machine, from {evaluated_from(history):.4g} s on"
     print_table(together(machine_answers(history)), title)

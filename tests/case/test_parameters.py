@@ -197,6 +197,17 @@ MOVING = StepProfile(times=(0.0, 1.0), values=(0.2, 0.3))
 
 
 @pytest.mark.parametrize(
+    ("values", "end"),
+    [((0.0, 0.0, 0.0), 0.0), ((0.0, 1.0, 1.0), 5.0), ((0.0, 0.0, 1.0), 6.0), ((0.0, 1.0, 2.0), 6.0)],
+)
+def test_a_drive_starts_until_its_speed_is_constant(values, end):
+    profile = PROFILE.with_(values=values)
+    assert profile.first_constant == end
+    assert Drive(speed=profile, turn_rate=StepProfile.constant(0.0)).start_ends == end
+    assert Drive(speed=profile, turn_rate=PROFILE).start_ends == 6.0
+
+
+@pytest.mark.parametrize(
     ("base", "changes", "told"),
     [
         (PAIR, {"dynamic_friction": 0.41}, "dynamic_friction must not exceed static_friction = 0.4 ... 0.41"),

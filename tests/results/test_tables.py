@@ -12,11 +12,13 @@ from exudyn_crawler.case import statics
 from exudyn_crawler.results.history.history import phases
 from exudyn_crawler.results.history.summary import (
     HELD,
+    START,
     compared,
     difference_table,
     greatest_over_time,
     key_results,
     load_table,
+    start_ends,
 )
 from exudyn_crawler.results.stress.hot_spots import highest_by_phase, hot_spot_table
 from exudyn_crawler.views import tables
@@ -192,9 +194,34 @@ def test_key_results_are_those_of_the_history(translation):
     assert 1e3 * found.loc["residual force at the start", "value"] < 2e-4 * weight
 
 
+def whole_run(results):
+    """Key results by name, with the greater one of start and time after it."""
+    names = results["result"].str.removesuffix(START)
+    return results.assign(result=names).drop_duplicates("result", keep="last").set_index("result")
+
+
+def test_the_start_of_a_drive_is_apart_and_has_its_peak_by_name(rolled):
+    """The drive ramps for 0.1 of 0.2 s: both halves have their own greatest pull."""
+    time = rolled.time.values
+    assert start_ends(rolled) == 0.1
+    pull = np.abs(rolled.drive_pull.values) / 1e3
+    found = key_results(rolled).set_index("result")
+    after = time >= 0.1
+    assert found.loc["greatest pull of the drive", "value"] == pytest.approx(pull[after].max())
+    assert found.loc["greatest pull of the drive" + START, "value"] == pytest.approx(pull[~after].max())
+    assert found.loc["greatest pull of the drive" + START, "at"] < 0.1
+    # a value that is not exceeded during the start has one row
+    assert not any(name.endswith(START) for name in found.index if found["at"].get(name, 0.0) >= 0.1)
+
+
+def test_a_run_that_ends_during_its_start_has_one_window(translation):
+    assert start_ends(translation) == 0.0
+    assert not key_results(translation)["result"].str.endswith(START).any()
+
+
 def test_the_greatest_over_time_is_the_key_result_at_its_time(translation, rolled):
     for history in (translation, rolled):
-        found = key_results(history).set_index("result")
+        found = whole_run(key_results(history))
         curves = greatest_over_time(history, ["link_tension", "joint_force", "roller_force", "contact_force"])
         assert len(curves) == 2 + (history is rolled)
         for result, curve in curves.items():
@@ -211,7 +238,7 @@ def test_the_highest_stress_comes_first(history, stress):
 
 
 def test_a_rolled_track_is_asked_for_rollers_and_pull(rolled):
-    found = key_results(rolled).set_index("result")
+    found = whole_run(key_results(rolled))
     assert "greatest force of the drive" not in found.index
     forces = np.linalg.norm(rolled.roller_force.values, axis=-1)
     row = found.loc["greatest force of a roller on the rails of a side"]

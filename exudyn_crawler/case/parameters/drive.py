@@ -53,6 +53,16 @@ class StepProfile(Parameters):
         step = times.searchsorted(inside, side="right") - 1
         return step, (inside - times[step]) / lengths[step]
 
+    @property
+    def first_constant(self) -> float:
+        """Time from which the value is constant after its first change, s; 0 if it never changes."""
+        changes = np.diff(self.values) != 0.0
+        if not changes.any():
+            return 0.0
+        first = int(changes.argmax())
+        still = np.flatnonzero(~changes[first:])
+        return self.times[first + int(still[0]) if len(still) else -1]
+
     def value(self, time: np.typing.ArrayLike) -> np.ndarray:
         """Return the value at each time."""
         _, values, _, rises = _steps(self.times, self.values)
@@ -157,6 +167,12 @@ class Drive(Parameters):
     def switch_times(self) -> tuple[float, ...]:
         """Times after 0 at which the drive switches on or off, s."""
         return tuple(time for window in self.on or () for time in window if time > 0.0)
+
+    @property
+    def start_ends(self) -> float:
+        """Time at which the drive first reaches constant speed and rate of turning, s; 0 without a start."""
+        profiles = [self.speed] if self.turn_rate is None else [self.speed, self.turn_rate]
+        return max(profile.first_constant for profile in profiles)
 
     def off_since(self, time: float) -> float:
         """Return the time (s) since the drive went off, just after `time` (s); zero while it is on."""

@@ -8,9 +8,9 @@ import pandas as pd
 from exudyn_crawler.case.gear.closed import Closed
 from exudyn_crawler.case.parameters.track import SIDES
 from exudyn_crawler.results.history import History
-from exudyn_crawler.results.history.summary import tension_along_chain
+from exudyn_crawler.results.history.summary import start_ends, tension_along_chain
 
-SETTLED = 0.5  # begin of the evaluated part, fraction of a run; the start would distort means and peaks
+SETTLED = 0.5  # begin of the evaluated part of a run that ends during its start, fraction of the run
 SAME = 0.01
 """Relative difference of both sides of a machine below which they share a row."""
 KILO = 1e3
@@ -18,13 +18,13 @@ Row = tuple[str, float, str, str]
 
 
 def machine_answers(history: History) -> pd.DataFrame:
-    """Return a table of a run's second half; the static tension alone is of the start.
+    """Return a table of a run after its start, see `evaluated_from`; the static tension alone is of t = 0.
 
     Columns are result, value, unit and of. The slack run is the point of the loop with the least mean
     tension, the taut run the one with the greatest. ValueError if no track is closed.
     """
     history.case.part(Closed)
-    late = History(history.case, history.dataset.isel(time=history.time >= SETTLED * history.duration))
+    late = History(history.case, history.dataset.isel(time=history.time >= evaluated_from(history)))
     sides = SIDES if history.case.gear.tracks > 1 else ("",)
     rows: list[Row] = []
     for side in sides:
@@ -32,6 +32,11 @@ def machine_answers(history: History) -> pd.DataFrame:
         rows += _tensions(start, late.of_track(side) if side else late, f"{side} track".strip())
     rows += [*_rollers(late), *_drives(late), *_pressure(late)]
     return pd.DataFrame(rows, columns=["result", "value", "unit", "of"])
+
+
+def evaluated_from(history: History) -> float:
+    """Return the begin of the table's window, s: the end of the start, or half of a run that is all start."""
+    return start_ends(history) or SETTLED * history.duration
 
 
 def together(table: pd.DataFrame) -> pd.DataFrame:

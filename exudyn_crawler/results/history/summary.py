@@ -19,6 +19,10 @@ WHEELS = {"roller": "a roller", "idler": "the idler", "carrier": "a carrier", "s
 """Kinds of wheels of closed tracks, and their words in names of results."""
 HELD = "stress beside a pin coupling, not to be used"
 """Name of the highest stress of nodes in rigid spiders, shown if it exceeds the highest usable one."""
+STRESSES = catalogue.select(files="stress")
+START = ", start"
+"""End of the name of a greatest value during the start of the drive."""
+SAME_TIME = 1e-9  # fraction of a time below which two times are the same
 AT_LIMIT = 0.95
 """Torque of a drive at its limit, fraction of the limit; the chain then lags by 3 times `torque_speed`."""
 MOST_CHANGE = 1000.0  # greatest shown change of a greatest value, %; a larger one has no meaning
@@ -40,9 +44,10 @@ ResultRow = tuple[str, float, str, str, float]
 def key_results(history: History, stress: xr.Dataset | None = None) -> pd.DataFrame:
     """Return greatest stress, forces, sinkage and speed of a run, its distance and its residual at the start.
 
-    The stress is the highest usable one; a higher one beside a pin coupling follows it. Columns are result,
-    value, unit, of (shoe, link or roller, if any) and at (s). Vectors count by their length, forces by their
-    magnitude.
+    Greatest values but stresses are those after the start, see `start_ends`. One that is higher during the
+    start has a row of its own, with `START` in its name. The stress is the highest usable one of the whole
+    run; a higher one beside a pin coupling follows it. Columns are result, value, unit, of (shoe, link or
+    roller, if any) and at (s). Vectors count by their length, forces by their magnitude.
     """
     ranked = sorted(
         catalogue.select(key_result=True).values(),
@@ -50,15 +55,18 @@ def key_results(history: History, stress: xr.Dataset | None = None) -> pd.DataFr
     )
     named = {quantity.name: quantity for quantity in ranked if history.has(quantity.name, stress)}
     greatest: dict[tuple[str, str], Extreme] = {}
+    at_start: dict[tuple[str, str], Extreme] = {}
     driven = _Driven()
+    begin = start_ends(history)
     for part, stresses in history.parts(stress):
         for name, values in part.over_time(named, stresses).items():
-            for label, some in _apart(part.case, name, values):
-                extreme = _extreme(_size(some))
-                greatest[name, label] = max(greatest.get((name, label), extreme), extreme, key=_value)
+            after = (values.time >= begin * (1.0 - SAME_TIME)).values | (name in STRESSES)
+            for chosen, found in ((after, greatest), (~after, at_start)):
+                if chosen.any():
+                    _add(found, part.case, name, values.isel(time=chosen))
         driven.add(part)
     rows = []
-    for (name, label), extreme in greatest.items():
+    for (name, label), extreme in _with_start(greatest, at_start):
         drawn, factor = KEY_UNITS.get(named[name].unit, (named[name].unit, 1.0))
         unit, factor = catalogue.OF_GROUND.get(name, (drawn, factor))
         rows.append((label, extreme.value * factor, unit, extreme.of, extreme.time))
@@ -73,6 +81,30 @@ def key_results(history: History, stress: xr.Dataset | None = None) -> pd.DataFr
     of, force = unbalanced(history)
     rows.append(("residual force at the start", 1e-3 * force, "kN", of, float(history.time[0])))
     return pd.DataFrame(rows, columns=["result", "value", "unit", "of", "at"])
+
+
+def start_ends(history: History) -> float:
+    """Return the time (s) at which the start of a run's drive ends; 0 if the run has no time after it."""
+    end = history.case.drive.start_ends
+    return end if end < history.duration * (1.0 - SAME_TIME) else 0.0
+
+
+def _add(found: dict[tuple[str, str], Extreme], case: Case, name: str, values: xr.DataArray) -> None:
+    """Add the extremes of a quantity's key results to those found so far."""
+    for label, some in _apart(case, name, values):
+        extreme = _extreme(_size(some))
+        found[name, label] = max(found.get((name, label), extreme), extreme, key=_value)
+
+
+def _with_start(
+    greatest: Mapping[tuple[str, str], Extreme], at_start: Mapping[tuple[str, str], Extreme]
+) -> Iterator[tuple[tuple[str, str], Extreme]]:
+    """Yield all extremes, each with that of the start behind it if that is greater."""
+    for (name, label), extreme in greatest.items():
+        yield (name, label), extreme
+        start = at_start.get((name, label), extreme)
+        if start.value > extreme.value:
+            yield (name, label + START), start
 
 
 def greatest_over_time(history: History, names: Iterable[str]) -> dict[str, xr.DataArray]:

@@ -36,6 +36,10 @@ GROUNDS = {
     "units": "elastic ground of separate units",
 }
 """Names of the ground by its model."""
+ONE_DRAW = (
+    " Extremes are one draw: a dragged track sticks and slips, and takes another path from a start that "
+    "differs by rounding."
+)
 ROOM = 0.8  # inches, of a picture for its title and labels
 
 
@@ -46,9 +50,12 @@ def first_screen(history: History, results: pd.DataFrame, stress: xr.Dataset | N
     """
     case = history.case
     now = track.instants(history, [results["at"].iloc[0]])
-    rank = [ASKED.index(name) if name in ASKED else len(ASKED) for name in results["result"]]
-    first = results.iloc[np.argsort(rank, kind="stable")].head(ANSWERS)
-    answers = [_answer(result, history, stress) for result in first.itertuples()]
+    is_start = results["result"].str.endswith(summary.START)
+    starts = {row.result.removesuffix(summary.START): row for row in results[is_start].itertuples()}
+    later = results[~is_start]
+    rank = [ASKED.index(name) if name in ASKED else len(ASKED) for name in later["result"]]
+    first = later.iloc[np.argsort(rank, kind="stable")].head(ANSWERS)
+    answers = [_answer(row, starts.get(row.result), history, stress) for row in first.itertuples()]
     parts = [
         page.figure_picture(f"{case.name} from the right", machine_figure(now)),
         page.paragraph(sentence(history, results)),
@@ -65,7 +72,10 @@ def sentence(history: History, results: pd.DataFrame) -> str:
     travel = results.set_index("result").loc["distance travelled", "value"]
     way = f"{travel:.3g} m in {history.duration:.4g} s"
     bending = "" if case.flexible is None else f"; {len(case.flexible.shoes)} flexible"
-    return f"{case.gear.words(case)}{bending}: {way} on {ground_words(case)}."
+    begin = summary.start_ends(history)
+    window = f" Greatest forces and speeds are those after the start of {begin:.3g} s." if begin else ""
+    draw = "" if case.gear.frame_parts else ONE_DRAW
+    return f"{case.gear.words(case)}{bending}: {way} on {ground_words(case)}.{window}{draw}"
 
 
 def ground_words(case: Case) -> str:
@@ -91,9 +101,13 @@ def machine_figure(now: History) -> Figure:
     return figure
 
 
-def _answer(result: Any, history: History, stress: xr.Dataset | None) -> tuple[str, str, str, str]:
-    """Return name, value, location, and limit or verdict of a key result."""
+def _answer(
+    result: Any, start: Any | None, history: History, stress: xr.Dataset | None
+) -> tuple[str, str, str, str]:
+    """Return name, value, location, and limit or verdict of a key result; with the start's if greater."""
     value, place = value_and_place(result)
+    if start is not None:
+        place += f"; at the start {start.value:.4g} {start.unit}, t = {start.at:.4g} s"
     limit = ""
     if result.unit == "kN":
         limit = f"{1e5 * result.value / _carried(history):.3g} % of the load on the ground at the start"
