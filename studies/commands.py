@@ -41,6 +41,7 @@ def _show_tables(out: Path, tables: Mapping[str, tuple["pd.DataFrame", str, Sequ
 KINEMATICS = RESULTS / "kinematics"
 COMPARED = ("quantity", "statistic", "paper", "computed", "within", "unit")
 """Columns of a comparison that are shown first if not all fit, see `print_table`."""
+EVIDENCE = ("quantity", "statistic", "within", "variants", "median", "least", "greatest")
 HOT = ("rank", "region", "von Mises in MPa", "time in s", "verdict", "node")
 LIVES = ("propel_and_material", "region", "life in h at least", "life in h at most", "verdict", "main part")
 """Columns of hot spots, and of lives, that are shown first if not all fit."""
@@ -48,15 +49,13 @@ REGIONS = "Highest von Mises stress by region of the shoe"
 Propel = Literal["translation", "turning", "both"]
 Chosen = Annotated[Propel, typer.Option(help="propel motion to run")]
 Ground = StrEnum("Ground", ["step", "ramp", "rough"])
+Repeated = StrEnum("Repeated", ["rigid", "stress"])
 Duration = Annotated[float, typer.Option(help="simulated time, s", callback=_positive)]
 AtMost = Annotated[
     float | None,
     typer.Option(help="simulated time of every case, s; default: the whole case", callback=_positive),
 ]
 MeshName = Annotated[str, typer.Option(help="mesh: coarse, study or fine, or the path of a file")]
-Variants = Annotated[
-    bool, typer.Option("--variants", help="show every row under variants of the contact and the shoe instead")
-]
 Choices = Annotated[
     bool, typer.Option("--choices", help="show the effect of the study's open choices over 8 s instead")
 ]
@@ -98,22 +97,38 @@ def forces(
         typer.Option(help=f"folder of runs to reuse; default: {KINEMATICS}, if they match"),
     ] = None,
     overwrite: Overwrite = False,
-    variants: Variants = False,
 ) -> None:
     """Run the forces study and compare it with the paper."""
     from studies.forces import study
 
-    if variants:
-        from studies.variants import compare_variants, counts
-
-        table = compare_variants(duration=duration)
-        print_table(table, "Paper, and computed under variants")
-        print_table(counts(table), "Rows within their class; lateral ones within a factor of 2")
-        return
     sources: dict[str, Any] = {"reuse": KINEMATICS if reuse is None else reuse, "strict": reuse is not None}
     _, table = study(out, _names(case), duration=duration, overwrite=overwrite, say=typer.echo, **sources)
     _show_comparison(table, "Forces", out)
     typer.echo(f"runs, figures, comparison.csv and turning_ratios.csv are in {out}")
+
+
+@command("python -m studies variants rigid")
+def variants(
+    studies: Annotated[
+        list[Repeated], typer.Argument(help="rigid: kinematics and forces; stress", metavar="rigid|stress...")
+    ],
+    workers: Annotated[
+        int | None, typer.Option(help="number of processes; default: one for each core", min=1)
+    ] = None,
+    out: Out = RESULTS / "variants",
+) -> None:
+    """Repeat studies with other and with wrong choices and from other starts: which rows could have failed.
+
+    The same command continues. The runs of the stress study take two minutes of processor time each.
+    """
+    from studies.variants import counts, study
+
+    for name in studies:
+        table, told = study(name, out, workers, typer.echo)
+        print_table(counts(table), "Rows within their class; lateral ones within a factor of 2")
+        title = "Variants in which a row is within, and its range over starts"
+        print_table(told, title, EVIDENCE, out / f"{name}_evidence.csv")
+    typer.echo(f"rows of all runs, tables by study and their evidence are in {out}")
 
 
 @command("python -m studies stress --duration 8 --mesh coarse --out results/short")

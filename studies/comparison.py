@@ -19,6 +19,9 @@ prediction    a measurement: soil and machine are     no verdict: the deviation
               the source's, no number the row's       is the result
 fit           a measurement that a law is fitted to   no verdict
 ============  ======================================  ==========================
+
+`evidence.csv` has, for each row of the papers' studies, in how many variants of the model it stays within
+this limit, and its median, least and greatest value over starts that differ by rounding (`studies.variants`).
 """
 
 import math
@@ -154,9 +157,10 @@ def comparison_table(
 ) -> pd.DataFrame:
     """Return the reported rows with their computed values, ratios and verdicts.
 
-    Columns study, case, quantity, statistic, unit, paper, computed, ratio, class, within. `within` is yes or
-    no. It is empty if the class has no verdict or nothing was computed. It is "not reached" (with an empty
-    ratio) if the run is too short. `until` has the ends of the runs by case, s; None compares all rows.
+    Columns study, case, quantity, statistic, unit, paper, computed, ratio, class, within, and those of
+    `with_evidence`. `within` is yes or no. It is empty if the class has no verdict or nothing was computed.
+    It is "not reached" (with an empty ratio) if the run is too short. `until` has the ends of the runs by
+    case, s; None compares all rows.
     """
     table = reported.drop(columns="source").rename(columns={"value": "paper"})
     table.insert(6, "computed", computed)
@@ -172,7 +176,24 @@ def comparison_table(
         ]
         table.loc[short, "ratio"] = math.nan
         table.loc[short, "within"] = "not reached"
-    return table
+    return with_evidence(table)
+
+
+ROW = ["study", "case", "quantity", "statistic", "paper"]
+"""Columns that tell a reported row from all others."""
+
+
+def with_evidence(table: pd.DataFrame) -> pd.DataFrame:
+    """Add what variants and other starts of the papers' cases say about each row of a comparison.
+
+    Columns variants, the number of variants in which the row is within its limit, such as "9 of 13", and
+    median, least and greatest over starts that differ by rounding. All are empty for rows without variants.
+    """
+    with files("studies").joinpath("evidence.csv").open() as file:
+        known = pd.read_csv(file)
+    counted = known["within"].astype(str) + " of " + known["variants"].astype(str)
+    known = known.assign(variants=counted).drop(columns=["within", "outside", "starts"])
+    return table.merge(known, on=ROW, how="left", validate="many_to_one").fillna({"variants": ""})
 
 
 def ends(histories: Mapping[str, History]) -> dict[str, float]:

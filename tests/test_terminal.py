@@ -151,8 +151,8 @@ RUN = SimpleNamespace(recovered=lambda: STRESSES, history=None)
 FAKES = {
     "studies kinematics": {"studies.kinematics.study": result({}, compared("kinematics"))},
     "studies forces": {"studies.forces.study": result({}, compared("forces"))},
-    "studies forces --variants": {
-        "studies.variants.compare_variants": result(compared("forces").drop(columns=["study", "ratio"])),
+    "studies variants rigid": {
+        "studies.variants.study": result(compared("forces"), compared("forces")),
         "studies.variants.counts": result(HAND),
     },
     "studies stress --mesh coarse": {

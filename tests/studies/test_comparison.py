@@ -118,6 +118,7 @@ def test_every_kinematics_row_has_its_computation_and_columns_their_order():
     table = comparison.compare_kinematics({"translation": by_hand()})
     assert list(table.columns) == [
         "study", "case", "quantity", "statistic", "unit", "paper", "computed", "ratio", "class", "within",
+        "variants", "median", "least", "greatest",
     ]  # fmt: skip
     assert table.loc[table["case"] == "turning", "within"].eq("not reached").all()
     known = table[table["case"] == "translation"]

@@ -1,0 +1,157 @@
+"""Numbers of results that pages quote, taken from the tables in `docs/numbers`.
+
+A number stands on a page between two comments, which name its table and its row there::
+
+    Shoe 13 reaches <!-- stress.csv: shoe 13 in propel -->187<!-- --> MPa.
+
+``python -m docs.numbers`` writes the numbers of the tables into the pages, each with as many decimals as it
+has there. ``python -m docs.numbers results`` first renews the tables and `comparison.md` from the folder that
+holds the studies' folders. Change a table only by running what its column `run` names. The tests fail if a
+page differs from the tables.
+"""
+
+import re
+import sys
+from collections.abc import Iterator
+from functools import cache
+from pathlib import Path
+from types import SimpleNamespace
+
+import pandas as pd
+import xarray as xr
+
+from docs import comparison
+from docs.mentions import PAGES
+from exudyn_crawler import History
+from exudyn_crawler.views.tables import within_by_class, write_table
+from studies import variants
+from studies.comparison import ROW
+from studies.stress import RANKS, highest_in_propel_and_loading
+
+FOLDER = Path(__file__).with_name("numbers")
+EVIDENCE = Path(variants.__file__).with_name("evidence.csv")
+COLUMNS = ["name", "value", "unit", "run"]
+"""Columns of a table: text or number by name, its unit, and the run that it comes from."""
+MARKED = re.compile(r"<!-- (?P<table>\w+)\.csv: (?P<name>[^>]+?) -->(?P<text>[^<]*)<!-- -->")
+
+
+@cache
+def values(table: str) -> dict[str, str]:
+    """Return the values of a table as text by name."""
+    rows = pd.read_csv(FOLDER / f"{table}.csv", dtype=str, keep_default_na=False)
+    return dict(zip(rows["name"], rows["value"], strict=True))
+
+
+def filled(text: str) -> str:
+    """Return the text of a page with all marked numbers from their tables; `KeyError` for an unknown one."""
+    return MARKED.sub(_replaced, text)
+
+
+def _replaced(mark: re.Match[str]) -> str:
+    value = values(mark["table"])[mark["name"]]
+    head, _, tail = mark[0].rpartition(f"{mark['text']}<!-- -->")
+    return f"{head}{_like(mark['text'], value)}<!-- -->{tail}"
+
+
+def _like(old: str, value: str) -> str:
+    """Return a value with the decimals of an old text, or as it is if it is no number."""
+    if not re.fullmatch(r"-?[\d.]+(e[-+]?\d+)?", value) or not re.fullmatch(r"-?[\d.]+", old):
+        return value
+    return f"{float(value):.{len(old.partition('.')[2])}f}"
+
+
+def counts(tables: dict[str, pd.DataFrame]) -> Iterator[tuple[str, str, str, str]]:
+    """Yield the counts of rows within their limits by study and class, and of rows that discriminate."""
+    for study, table in tables.items():
+        for row in within_by_class(table).itertuples():
+            yield f"{study} {row._1}", f"{row.within} of {row.of}", "rows", f"make {study}"
+    rigid = pd.concat([tables["kinematics"], tables["forces"]])
+    for name, rows in {"rigid": rigid, "stress": tables["stress"]}.items():
+        yield from _told(name, rows)
+
+
+def _told(name: str, rows: pd.DataFrame) -> Iterator[tuple[str, str, str, str]]:
+    """Yield how many rows of a study could have failed, and how many of these are within their limits."""
+    how = f"python -m studies variants {name}"
+    known = pd.read_csv(EVIDENCE, keep_default_na=False)[[*ROW, "outside"]]
+    rows = rows.merge(known, on=ROW, validate="one_to_one")
+    good = [
+        variants.is_within(*row)
+        for row in rows[["paper", "computed", "class", "unit"]].itertuples(index=False, name=None)
+    ]
+    rows = rows.assign(good=good, always=rows["outside"] == "")
+    yield f"{name} variants", str(1 + len(variants.STUDIES[name].variants)), "runs", how
+    limited = rows[rows["class"] != "lateral"]
+    could_fail = limited[~limited["always"]]
+    yield f"{name} rows", str(len(limited)), "rows", how
+    yield f"{name} inputs", str(limited["always"].sum()), "rows", how
+    yield f"{name} discriminating", f"{could_fail['good'].sum()} of {len(could_fail)}", "rows", how
+    for kind, part in rows.groupby("class", sort=False):
+        by_load = part["outside"] == "half the load"
+        yield f"{name} {kind} within", f"{part['good'].sum()} of {len(part)}", "rows", how
+        yield f"{name} {kind} inputs", str(part["always"].sum()), "rows", how
+        yield f"{name} {kind} of load", str(by_load.sum()), "rows", how
+        yield f"{name} {kind} other", str((~part["always"] & ~by_load).sum()), "rows", how
+
+
+def stresses(results: Path, table: pd.DataFrame) -> Iterator[tuple[str, float, str, str]]:
+    """Yield highest stresses of the stress study's run, and their median and range over other starts."""
+    folder = results / "stress" / "cycle"
+    history = History.load(folder / "history.nc")
+    with xr.open_dataset(folder / "stress.nc") as dataset:
+        summary = highest_in_propel_and_loading(history, SimpleNamespace(dataset=dataset))
+    run = "make stress: start 1, compiled formulation, study mesh"
+    for row in summary.itertuples():
+        yield f"shoe {row.shoe} in propel", row.propel, "MPa", run
+        yield f"shoe {row.shoe} in loading", row.loading, "MPa", run
+        yield f"shoe {row.shoe} loading over propel", row.ratio, "1", run
+    spots = table[table["case"] == "hot spots"]
+    for shoe in (13, 7):
+        rows = spots[spots["quantity"].str.startswith(f"shoe {shoe} ")].set_index("statistic")
+        first = rows.loc["1st"]
+        yield f"shoe {shoe}, paper", first["paper"], "MPa", "S-paper"
+        for name in ("median", "least", "greatest"):
+            yield f"shoe {shoe}, {name} of starts", first[name], "MPa", "python -m studies variants stress"
+        for rank in list(RANKS)[1:]:
+            yield f"shoe {shoe}, {rank} over first", rows.loc[rank, "computed"] / first["computed"], "1", run
+    of_runs = pd.read_csv(results / "variants" / "stress.csv").set_index(["quantity", "statistic"])
+    for variant in variants.STUDIES["stress"].variants:
+        value = of_runs.loc[("shoe 13 greatest von Mises", "1st"), variant]
+        yield f"shoe 13, {variant}", value, "MPa", "python -m studies variants stress"
+    for row in table.itertuples():
+        if row.case in ("propel", "loading"):
+            yield f"{row.case}: {row.quantity}, {row.statistic}", row.computed, row.unit, run
+
+
+def by_variant(results: Path) -> Iterator[tuple[str, str, str, str]]:
+    """Yield the counts of rows of the rigid studies within their limits, by variant, case and class."""
+    table = variants.counts(pd.read_csv(results / "variants" / "rigid.csv")).set_index("variant")
+    for run in (variants.FIRST, *variants.STUDIES["rigid"].variants):
+        for kind, count in table.loc[run].items():
+            yield f"{run}: {kind}", count, "rows", "python -m studies variants rigid"
+
+
+def renew(results: Path) -> None:
+    """Write `comparison.md` and all tables from the folder of the studies' folders."""
+    known = [pd.read_csv(results / "variants" / f"{name}_evidence.csv") for name in variants.STUDIES]
+    write_table(pd.concat(known), EVIDENCE, overwrite=True)
+    comparison.PAGE.write_text(comparison.page(results), encoding="utf-8")
+    tables = {study: comparison.compared(results, study) for study in comparison.STUDIES}
+    found = {"counts": counts(tables), "stress": stresses(results, tables["stress"])}
+    found["variants"] = by_variant(results)
+    for name, rows in found.items():
+        write_table(pd.DataFrame(rows, columns=COLUMNS), FOLDER / f"{name}.csv", overwrite=True)
+
+
+def main(folder: str | None = None) -> None:
+    """Renew the tables from a folder, if given; write their numbers into all pages."""
+    if folder is not None:
+        renew(Path(folder))
+    for path in PAGES:
+        text = path.read_text(encoding="utf-8")
+        if (changed := filled(text)) != text:
+            path.write_text(changed, encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])
