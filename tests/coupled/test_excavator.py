@@ -31,11 +31,10 @@ def test_pendulum_on_an_excavator_takes_the_iterations_of_the_machine_alone(tmp_
     gravity = np.linalg.norm(track.gravity)
     radius = LENGTH + 1.0 / (6.0 * LENGTH)
     period = 2.0 * np.pi * np.sqrt(radius / gravity) * (1.0 + angle**2 / 16.0 + 11.0 * angle**4 / 3072.0)
-    assert 4.0 * quarter == pytest.approx(period, rel=2e-3)
+    assert 4.0 * quarter == pytest.approx(period, rel=1e-3)
     own = mbs.GetObject(track.body)["mass"] * gravity
     pull = mbs.GetSensorStoredData(load)[:, 3].max() - own
     lowest = BOB * gravity + BOB * LENGTH * 2.0 * gravity * (1.0 - np.cos(angle)) / radius
-    assert pull == pytest.approx(lowest, rel=2e-3)
+    assert pull == pytest.approx(lowest, rel=1e-3)
     steps = len(time) - 1
-    assert track.block.iterations < 1.5 * steps
-    print(4 * quarter / period, pull / lowest, track.block.iterations / steps, track.block.matrices / steps)
+    assert track.block.iterations < 1.1 * steps
