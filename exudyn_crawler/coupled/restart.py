@@ -11,7 +11,10 @@ from exudyn_crawler.model.exudyn import exu
 
 MODEL, TRACK = "model", "track"
 """First words of the names of arrays."""
-PARTS = ("ODE2Coordinates", "ODE2Coordinates_t", "ODE2Coordinates_tt", "AECoordinates", "DataCoordinates")
+PARTS = (
+    *("ODE2Coordinates", "ODE2Coordinates_t", "ODE2Coordinates_tt"),
+    *("ODE1Coordinates", "ODE1Coordinates_t", "AECoordinates", "DataCoordinates"),
+)
 """Coordinates of a user's model, as Exudyn names them."""
 
 

@@ -87,8 +87,6 @@ def _check(mbs: "exu.MainSystem", settings: "exu.SimulationSettings", tracks: in
     """Raise ValueError for a model or settings that cannot be solved with tracks."""
     if not tracks:
         raise ValueError("mbs must have a track: call add_track before mbs.Assemble()")
-    if count := mbs.systemData.ODE1Size():
-        raise ValueError(f"mbs must have no first-order coordinates (ODE1) beside tracks, got {count}")
     if settings.timeIntegration.generalizedAlpha.useIndex2Constraints:
         raise ValueError("timeIntegration.generalizedAlpha.useIndex2Constraints must be False with tracks")
 

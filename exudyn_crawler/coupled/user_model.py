@@ -51,7 +51,10 @@ class UserModel:
             )
             for car in cars
         ]
-        self._size = len(self._data.GetODE2Coordinates())
+        self._size = self._data.ODE2Size()
+        self._second_order = slice(0, self._size)
+        self._first_order = slice(self._size, self._size + self._data.ODE1Size())
+        self._algebraic = slice(self._first_order.stop, self._first_order.stop + self._data.AEsize())
         self.jacobians = self.residuals = 0
         self._factors: Any = None
         self._factored: tuple[float, ...] = ()
@@ -69,6 +72,7 @@ class UserModel:
         self._settings = settings
         self._weights = step.weights
         self._scale = step.beta * step.size**2
+        self._half = 0.5 * step.size
         self._found = None
         state = np.zeros((3, self._size))
         predict(solver, self.mbs, settings, state)
@@ -83,6 +87,12 @@ class UserModel:
         self._data.GetODE2Coordinates(NOW, False)[:] = state[0]
         self._data.GetODE2Coordinates_t(NOW, False)[:] = state[1]
         self._data.GetODE2Coordinates_tt(NOW, False)[:] = state[2]
+        # the trapezoidal rule integrates coordinates of first order; here with their last rates
+        rates = np.array(self._data.GetODE1Coordinates_t(START))
+        self._data.GetODE1Coordinates(NOW, False)[:] = (
+            self._data.GetODE1Coordinates(START) + step.size * rates
+        )
+        self._data.GetODE1Coordinates_t(NOW, False)[:] = rates
 
     def resume(self) -> None:
         """Go on with a solved step after a change of Exudyn's data coordinates."""
@@ -95,19 +105,30 @@ class UserModel:
     def residual(self, wrenches: np.ndarray) -> tuple[float, float]:
         """Form the equations with the wrenches on the car bodies (6 cars,), in the user's frame.
 
-        Return the root mean square of the equations of motion, N, and the greatest gap of the others. Both
-        stay until the next correction.
+        Return the root mean square of the equations of motion, N, and the greatest error of the others: gaps
+        of constraints, m and rad, and relative errors of coordinates of first order. Both stay until the next
+        correction.
         """
         if self._found is None:
             self._load(wrenches)
             self._solver.ComputeNewtonResidual(self.mbs, self._settings)
             self.residuals += 1
             self._residual = np.array(self._solver.GetSystemResidual())
-            forces = self._residual[: self._size]
-            gaps = self._residual[self._size :]
+            forces = self._residual[self._second_order]
             norm = math.sqrt(forces @ forces / self._size) / self._scale
-            self._found = norm, float(np.abs(gaps).max(initial=0.0))
+            gap = float(np.abs(self._residual[self._algebraic]).max(initial=0.0))
+            self._found = norm, max(gap, self._rate_error())
         return self._found
+
+    def _rate_error(self) -> float:
+        """Return the greatest error of coordinates of first order in a step, fraction of the greatest one."""
+        if self._first_order.start == self._first_order.stop:
+            return 0.0
+        values = np.abs(self._data.GetODE1Coordinates(NOW, False))
+        rates = np.abs(self._data.GetODE1Coordinates_t(NOW, False))
+        greatest = float((values + self._half * rates).max())
+        error = self._half * float(np.abs(self._residual[self._first_order]).max())
+        return error / greatest if greatest > 0.0 else error
 
     def _load(self, wrenches: np.ndarray) -> None:
         for k, car in enumerate(self._cars):
@@ -159,6 +180,8 @@ class UserModel:
             self._data.GetODE2Coordinates,
             self._data.GetODE2Coordinates_t,
             self._data.GetODE2Coordinates_tt,
+            self._data.GetODE1Coordinates,
+            self._data.GetODE1Coordinates_t,
             self._data.GetAECoordinates,
             self._data.GetDataCoordinates,
         ):
@@ -179,11 +202,14 @@ class UserModel:
         self._found = None
         change = change - self._by_wrench @ wrenches
         by = self._weights
-        coordinates = change[: self._size]
+        coordinates = change[self._second_order]
+        values = change[self._first_order]
         self._data.GetODE2Coordinates(NOW, False)[:] -= coordinates
         self._data.GetODE2Coordinates_t(NOW, False)[:] -= by.velocity * coordinates
         self._data.GetODE2Coordinates_tt(NOW, False)[:] -= by.acceleration * coordinates
-        self._data.GetAECoordinates(NOW, False)[:] -= change[self._size :] / self._scale
+        self._data.GetODE1Coordinates(NOW, False)[:] -= values
+        self._data.GetODE1Coordinates_t(NOW, False)[:] -= values / self._half
+        self._data.GetAECoordinates(NOW, False)[:] -= change[self._algebraic] / self._scale
 
     def gaps(self, places: Sequence[np.ndarray]) -> np.ndarray:
         """Return the gaps from car bodies at places (6,) in their cases to the user's: array (6 cars,)."""

@@ -36,9 +36,9 @@ def cuboid(mass, side=1.0):
     return InertiaCuboid(mass / side**3, [side, side, side])
 
 
-def add_box(mbs, track, mass, place, side=1.0, axes=UNTURNED):
+def add_box(mbs, track, mass, place, side=1.0, axes=UNTURNED, **about):
     """A cube at a place in the axes of the car body at rest, and turned against these; its number."""
-    return mbs.CreateRigidBody(inertia=cuboid(mass, side), **track.at(place, axes))
+    return mbs.CreateRigidBody(inertia=cuboid(mass, side), **track.at(place, axes) | about)
 
 
 def add_hinge(mbs, track, bodies, place, axis):
