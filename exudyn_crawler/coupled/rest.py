@@ -1,5 +1,6 @@
 """Rest of a machine under the weight of a user's model, and the part of its frame that is an Exudyn body."""
 
+from functools import lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -64,25 +65,41 @@ def rest_under(case: Case, mass: float, com: np.ndarray, replaces_upper: bool) -
     """
     gear = case.part(RunningGear)
     changes = _loaded(case, mass, com, replaces_upper)
-    loaded = simulation.started(case.with_(changes), progress=False)
-    assert isinstance(loaded, CompiledSystem)  # of a case with rollers
-    case = loaded.case.with_({path: _value(case, path) for path in changes})
+    found = _rest_of(case.with_(changes))
+    case = found.case.with_({path: _value(case, path) for path in changes})
     parts = gear.frame_parts[:-1] if replaces_upper else gear.frame_parts
     car_body = Mass.of(parts)
     assembly = assemble(case)
-    frame = loaded.layout.shoes + loaded.layout.bodies.index(SIDE_FRAME)
+    frame = case.track.shoe_count + assembly.bodies.index(SIDE_FRAME)
     table = assembly.tables.bodies
     table.mass[frame], table.first[frame], table.second[frame] = car_body.times(1.0 - SHARE)
     system = CompiledSystem(case, assembly)
     row = np.zeros(system.layout.size)
-    q, q_t, _ = loaded.motion
-    system.layout.part(row, "coordinates")[:] = q
-    system.layout.part(row, "coordinates rate")[:] = q_t
-    system.set_state(row, loaded.memory())
+    system.layout.part(row, "coordinates")[:] = found.q
+    system.layout.part(row, "coordinates rate")[:] = found.q_t
+    system.set_state(row, {name: values.copy() for name, values in found.memory.items()})
     gravity = case.gravity_vector()
     weight = (SHARE * car_body.mass + mass) * gravity
     moment = np.cross(SHARE * car_body.first + mass * com, gravity)
     return Rest(system, frame, car_body, np.concatenate((weight, moment)))
+
+
+class _Found(NamedTuple):
+    """Rest of a case."""
+
+    case: Case  # with the take-up for its chains' tension
+    q: np.ndarray  # coordinates
+    q_t: np.ndarray  # their rates
+    memory: dict[str, np.ndarray]  # of the ground
+
+
+@lru_cache(maxsize=8)
+def _rest_of(case: Case) -> _Found:
+    """Return the rest of a case; equal machines of a model, or of several ones, have the same."""
+    system = simulation.started(case, progress=False)
+    assert isinstance(system, CompiledSystem)  # of a case with rollers
+    q, q_t, _ = system.motion
+    return _Found(system.case, q, q_t, system.memory())
 
 
 def _loaded(case: Case, mass: float, com: np.ndarray, replaces_upper: bool) -> dict[str, Any]:
