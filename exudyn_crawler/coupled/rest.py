@@ -61,9 +61,13 @@ def rest_under(case: Case, mass: float, com: np.ndarray, replaces_upper: bool) -
     """Return the rest of a case's machine under an added mass (kg) with a COM (3,), m, in its axes.
 
     The mass takes the place of the upper structure if `replaces_upper`. ParameterError if the machine cannot
-    carry it; EquilibriumError without a rest.
+    carry it; ValueError if it has no upper structure to replace; EquilibriumError without a rest.
     """
     gear = case.part(RunningGear)
+    if replaces_upper and not isinstance(gear, Machine):
+        raise ValueError(
+            f"replaces_upper must be False with gear.kind {gear.kind!r}, which has no upper structure"
+        )
     changes = _loaded(case, mass, com, replaces_upper)
     found = _rest_of(case.with_(changes))
     case = found.case.with_({path: _value(case, path) for path in changes})

@@ -185,8 +185,18 @@ def add_track(
     EquilibriumError
         If the machine finds no rest under the mass.
     """
-    com = np.array(carried_com, dtype=float)
-    placement = Placement(np.array(position, dtype=float), heading)
+    com, place = (np.array(values, dtype=float) for values in (carried_com, position))
+    for what, values, shape in (
+        ("carried_mass", carried_mass, ()),
+        ("carried_com", com, (3,)),
+        ("position", place, (3,)),
+        ("heading", heading, ()),
+    ):
+        if np.shape(values) != shape or not np.isfinite(values).all():
+            raise ValueError(f"{what} must be {'3 finite numbers' if shape else 'finite'}, got {values}")
+    if carried_mass < 0.0:
+        raise ValueError(f"carried_mass must be at least 0 kg, got {carried_mass:g}")
+    placement = Placement(place, heading)
     rest = rest_under(case, carried_mass, com, replaces_upper)
     block = TrackBlock(rest, placement)
     pose = placement.pose(block.pose)

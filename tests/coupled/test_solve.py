@@ -7,6 +7,7 @@ from exudyn_crawler import add_track, restore_state, solve_dynamic, store_state
 from exudyn_crawler.case import Part
 from exudyn_crawler.coupled.rest import TENSOR, Mass
 from exudyn_crawler.coupled.step import CoupledStep
+from exudyn_crawler.ground.cells.laws.bekker import BekkerSoil
 from exudyn_crawler.ground.rotations import rotation_matrices
 from exudyn_crawler.model.exudyn import exu, items
 from exudyn_crawler.results.history import states
@@ -94,8 +95,10 @@ def swinging(case):
     return container, mbs, track, bob
 
 
-def test_another_process_goes_on_bit_for_bit():
-    case = small_case()
+@pytest.mark.parametrize("on_sand", [False, True])
+def test_another_process_goes_on_bit_for_bit(on_sand):
+    """Also on ground that remembers."""
+    case = small_case().on_cells(BekkerSoil.lete_sand()) if on_sand else small_case()
     ends = []
     _one, first, *_ = swinging(case)
     solve_dynamic(first, settings(case, 0.02))

@@ -37,6 +37,15 @@ def test_what_cannot_be_solved_is_refused():
         solve_dynamic(mbs, exu.SimulationSettings())
     with pytest.raises(ValueError, match="gear"):
         add_track(mbs, Case.translation())
+    for wrong, message in (
+        ({"carried_mass": -1.0}, "carried_mass must be at least 0 kg, got -1"),
+        ({"carried_com": (0.0, np.nan, 0.0)}, "carried_com must be 3 finite numbers"),
+        ({"position": (0.0, 1.0)}, "position must be 3 finite numbers"),
+        ({"heading": np.inf}, "heading must be finite, got inf"),
+        ({"replaces_upper": True}, "replaces_upper must be False with gear.kind 'rolled'"),
+    ):
+        with pytest.raises(ValueError, match=message):
+            add_track(mbs, case, **wrong)
     track = add_track(mbs, case)
     with pytest.raises(ValueError, match="no motors"):
         track.set_torques(1.0)
