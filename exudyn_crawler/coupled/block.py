@@ -13,7 +13,7 @@ import numpy as np
 from exudyn_crawler.coupled.commands import Commands
 from exudyn_crawler.coupled.placement import Placement, Pose
 from exudyn_crawler.coupled.rest import Rest
-from exudyn_crawler.ground.rotations import angular_velocity, moments_on_angles, rotation_matrices
+from exudyn_crawler.ground.rotations import angular_velocity, attitude, rotation_matrices
 from exudyn_crawler.ground.rows import Weights
 from exudyn_crawler.model import elimination, equations, newton
 from exudyn_crawler.model.compiled_system import KEEPS_MATRIX
@@ -197,9 +197,8 @@ class TrackBlock:
         """Solve the last front of the factored matrix for unit wrenches."""
         values = self.system.scratch[1]
         first = self._frame.start
-        angles = np.tile(self._angles(self.state[0, self._frame]), (3, 1))
         self.turning = np.eye(6)
-        self.turning[3:, 3:] = moments_on_angles(angles, np.eye(3))
+        self.turning[3:, 3:] = np.transpose(attitude(*self._angles(self.state[0, self._frame])).axes)
         answers = np.zeros((6, len(self._change)))
         answers[:, first : first + 6] = self.turning
         for answer in answers:
