@@ -27,7 +27,7 @@ def words_shown(cell):
 
 
 def test_there_are_notebooks():
-    assert {"duty_cycle", "stresses"} <= set(NAMES)
+    assert {"duty_cycle", "stresses", "own_model"} <= set(NAMES)
 
 
 @pytest.mark.parametrize("path", PATHS, ids=NAMES)
