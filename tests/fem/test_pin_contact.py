@@ -1,5 +1,7 @@
 """Contact of a pin in its bore: known pressures and stresses, balance, and what depends on the mesh."""
 
+import json
+
 import numpy as np
 import pytest
 
@@ -8,8 +10,9 @@ from fem.body.bores import AROUND, BoreFaces, bore_faces
 from fem.body.element_stress import von_mises
 from fem.body.interfaces import rigid_motion_of_centers
 from fem.body.pin_contact import KERN, pin_flexibility, pressures
-from meshes import STEEL, joint_interfaces
+from meshes import STEEL, joint_interfaces, shoe_mesh
 from tests.fem.bodies import box_mesh, closed, tube
+from tests.fem.pin_contact_reference import NAME, PULL, STORED
 from tests.fem.refusals import refused
 
 RADIUS, WIDTH = 0.05, 0.02
@@ -228,6 +231,27 @@ def test_stress_concentration_of_a_lug(ratio, calculix, measured):
     curve = 12.882 - 52.714 * ratio + 89.762 * ratio**2 - 51.667 * ratio**3
     assert curve == pytest.approx(measured, abs=1e-3)
     assert 0.75 * curve < found_factor < curve
+
+
+@pytest.mark.slow
+def test_stress_of_a_shoe_is_that_of_calculixs_contact():
+    """The study shoe under a pull at the rear left bore: highest stresses at the bore and in the net section.
+
+    `pin_contact_reference.py` makes the numbers: both shoe and pin are finite elements there.
+    """
+    reference = json.loads(STORED.read_text())
+    body = fem.ElasticBody(shoe_mesh("study"), STEEL)
+    assert reference["mesh"] == body.mesh.digest
+    partition = fem.Partition(body, joint_interfaces(body.mesh, "contact"))
+    own = next(interface for interface in partition.interfaces if interface.name == NAME)
+    contact = fem.pin_contact(partition, own, STEEL)
+    pulled = contact.coordinates(np.array([[-PULL, 0.0, 0.0, 0.0, 0.0, 0.0]]))[0]
+    moved = partition.static_response((contact.nodal @ pulled)[:, None]).reshape(-1, 3, 1)
+    for place in ("bore", "off bores"):
+        found = von_mises(body.stress(moved, np.array(reference[place]["nodes"]))[:, :, 0])
+        expected = np.array(reference[place]["von Mises"])
+        assert found.max() == pytest.approx(expected.max(), rel=0.03)
+        np.testing.assert_allclose(found, expected, atol=0.08 * expected.max())
 
 
 def test_bores_count_where_a_pin_is_in_contact_and_the_mesh_is_fine_enough(plate):

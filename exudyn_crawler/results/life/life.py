@@ -37,6 +37,11 @@ from fem.stress import low_rank, trust
 
 BEYOND = 1e9  # greatest distinguished life, h; a damage below its reciprocal is left out
 BROKEN = 0.0  # life at a stress above the tensile strength, h
+CHOICE_OF_PINS = {"rigid": (0.26, 3.9), "averaging": (0.06, 1.7), "contact": (0.0, 0.0)}
+"""Greatest excess of a lug's stress with a pin in contact over that with a coupling, fraction of this.
+
+The first is that of a lug's root, the second that within a diameter from the axis of a bore (`docs/fem.md`).
+"""
 MEGA = 1e6
 MILLI = 1e-3
 LIFE = "life in h"  # prefix of the columns of lives
@@ -138,7 +143,7 @@ def life_of(
         "part_peak": peak,
         "plane_damage": on_plane,
         "plane_normal": directions,
-        **_life_trust(runs, next(iter(groups)), damage[:, -1], amplitude, spreads),
+        **_life_trust(runs, next(iter(groups)), damage[:, -1], amplitude, spreads, regions),
     }
     names = [part for run in runs for part in run.parts] + [BETWEEN] * (len(runs) > 1)
     variables = {name: catalogue.variable(name, value) for name, value in values.items()}
@@ -400,12 +405,14 @@ def _life_trust(
     damage: np.ndarray,
     amplitude: np.ndarray,
     spreads: Sequence[xr.DataArray | None],
+    regions: np.ndarray,
 ) -> dict[str, np.ndarray]:
     """Return the uncertainty of lives from damage (1/h) and amplitude (Pa), (places, nodes), as quantities.
 
     The mesh error is the mean square over all runs and places, of the stress less its mean over each of them.
     The error by omitted static fields is relative to the greatest amplitude. The widest spread of the runs
-    counts, at the place with a node's greatest damage.
+    counts, at the place with a node's greatest damage. The factor of lives also has the error by the coupling
+    of the pins.
     """
     resolved = [trust.resolution_over(run.basis.shapes, _changes(run.basis.coordinates)) for run in runs]
     resolution = sum(resolved[1:], start=resolved[0])
@@ -421,8 +428,20 @@ def _life_trust(
     return {
         "stress_error": part,
         "verdict": trust.verdict_numbers(part, error, resolution.relative_jump, held),
-        "life_factor": (1.0 + part) ** curve.steepest,
+        "life_factor": (1.0 + part + _choice_of_pins(runs[0].basis.shapes, regions)) ** curve.steepest,
     }
+
+
+def _choice_of_pins(whole: Shapes, regions: np.ndarray) -> np.ndarray:
+    """Return the relative error (n,) of a shoe's stress by the coupling of its pins: zero off its lugs."""
+    at_root, near_bore = CHOICE_OF_PINS[whole.interfaces[0].spider]
+    nearest = np.full(len(regions), np.inf)
+    for interface in whole.interfaces:
+        x, _, z = (whole.nodes - interface.center).T
+        away = np.hypot(x, z)
+        nearest = np.minimum(nearest, away / away[interface.nodes].mean())
+    error = np.where(nearest < 2.0, near_bore, at_root)
+    return np.where(np.isin(regions, ["lugs", hot_spots.BORES]), error, 0.0)
 
 
 def _changes(coordinates: Mapping[int, Any]) -> Iterator[np.ndarray]:
