@@ -43,9 +43,8 @@ class CoupledStep:
         self._closing: np.ndarray | None = None  # wrenches on tracks that close gaps
         self._wasted = 0  # iterations of the user's model that a new matrix would have saved
         self._solved: Step | None = None  # step that waits for its acceptance
-        self._failed: TrackBlock | None = (
-            None  # track that made the last step fail, None for the user's model
-        )
+        # track that made the last step fail, None for the user's model
+        self._failed: TrackBlock | None = None
 
     def newton(self, solver: Any, _mbs: "exu.MainSystem", settings: "exu.SimulationSettings") -> bool:
         """Solve a step; if it fails, Exudyn calls it again with half the step."""
@@ -63,10 +62,7 @@ class CoupledStep:
             if not (block.resume() if repeated else block.begin(step)):
                 self._failed = block
                 return False
-        try:
-            solved = self._solve()
-        except (np.linalg.LinAlgError, RuntimeError):  # singular matrices, of tracks and of the user's model
-            solved = False
+        solved = self._solve()
         self._solved = step if solved else None
         return solved
 
@@ -92,9 +88,17 @@ class CoupledStep:
         """Solve the step from its prediction; return False if the search is given up."""
         while True:
             for block in self._blocks:
-                if block.reduce():
+                try:
+                    is_new = block.reduce()
+                except np.linalg.LinAlgError:  # its matrix is singular
+                    self._failed = block
+                    return False
+                if is_new:
                     self._closing = None
-            wrenches = self._meet()
+            try:
+                wrenches = self._meet()
+            except np.linalg.LinAlgError:
+                wrenches = None
             if wrenches is None:
                 self._failed = None
                 return False
@@ -110,6 +114,7 @@ class CoupledStep:
         """Solve the user's model for the reduced tracks.
 
         Return the wrenches on the tracks (6 cars,), in the frames of their cases; None if the search fails.
+        Raises `numpy.linalg.LinAlgError` for a singular matrix.
         """
         model = self._model
         wrenches = np.concatenate([block.wrench for block in self._blocks])

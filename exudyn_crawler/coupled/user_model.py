@@ -60,11 +60,8 @@ class UserModel:
         self._factored: tuple[float, ...] = ()
         self.answers = np.zeros((0, 0))
         self._found: tuple[float, float] | None = None  # the last residual, until a change
-        self._start = self._before = (
-            0.0,
-            np.zeros(0),
-            np.zeros(0),
-        )  # size and start of this and the last step
+        # size of this and of the last step, accelerations and multipliers at their starts
+        self._start = self._before = (0.0, np.zeros(0), np.zeros(0))
 
     def begin(self, solver: Any, settings: "exu.SimulationSettings", step: Step) -> None:
         """Predict a step: accelerations and multipliers change as in the last step of its size."""
@@ -141,10 +138,16 @@ class UserModel:
         return self._factored == tuple(self._weights)
 
     def factor(self) -> None:
-        """Form and factor the matrix at the last residual, and solve for unit wrenches on the car bodies."""
+        """Form and factor the matrix at the last residual, and solve for unit wrenches on the car bodies.
+
+        Raises `numpy.linalg.LinAlgError` if it is singular.
+        """
         self._solver.ComputeNewtonJacobian(self.mbs, self._settings)
         self.jacobians += 1
-        self._factors = splu(csc_array(np.array(self._solver.GetSystemJacobian())))
+        try:
+            self._factors = splu(csc_array(np.array(self._solver.GetSystemJacobian())))
+        except RuntimeError as error:
+            raise np.linalg.LinAlgError(str(error)) from error
         self._factored = tuple(self._weights)
         self._turnings = [self._turning(k) for k in range(len(self._cars))]
         unit = np.zeros((len(self._residual), 6 * len(self._cars)))

@@ -6,7 +6,7 @@ import pytest
 from exudyn_crawler import Case, add_track, solve_dynamic
 from exudyn_crawler.errors import SimulationStopped
 from exudyn_crawler.model.exudyn import exu
-from tests.coupled.models import model, settings, still_case
+from tests.coupled.models import add_box, model, settings, still_case
 from tests.rolled import small_case
 
 pytestmark = pytest.mark.simulation
@@ -96,3 +96,29 @@ def test_renderer_gets_shoes_wheels_and_ground_where_they_are():
     assert np.ptp(boxes, axis=1).min() > 0.1
     moved = np.reshape(track.film.graphics(0.0)[1]["points"], (-1, 3)) - boxes.reshape(-1, 3)
     assert np.abs(moved).max() > 1e-5
+
+
+def test_model_that_cannot_be_solved_is_named_and_errors_of_its_functions_come_out():
+    case = small_case()
+    _container, mbs = model()
+    track = add_track(mbs, case)
+    ground = mbs.CreateGround()
+    box = add_box(mbs, track, 10.0, [0.0, 0.0, 3.0], 0.2)
+    # the same joint twice: no unique forces
+    for _ in range(2):
+        mbs.CreateSphericalJoint(itemNumbers=[ground, box], position=track.place([0.0, 0.0, 3.0]))
+    mbs.Assemble()
+    unaccelerated = settings(case, 0.004)
+    unaccelerated.timeIntegration.generalizedAlpha.computeInitialAccelerations = False
+    with pytest.raises(SimulationStopped, match="Newton's method failed in the user's model"):
+        solve_dynamic(mbs, unaccelerated)
+
+    def wrong(_mbs, time):
+        raise KeyError(time)
+
+    _container, mbs = model()
+    add_track(mbs, case)
+    mbs.Assemble()
+    mbs.SetPreStepUserFunction(wrong)
+    with pytest.raises(Exception, match="KeyError"):
+        solve_dynamic(mbs, settings(case, 0.004))
