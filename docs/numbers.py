@@ -23,6 +23,7 @@ import xarray as xr
 from docs import comparison
 from docs.mentions import PAGES
 from exudyn_crawler import History
+from exudyn_crawler.results.history.machine import machine_answers, together
 from exudyn_crawler.views.tables import within_by_class, write_table
 from studies import variants
 from studies.comparison import ROW
@@ -123,6 +124,30 @@ def stresses(results: Path, table: pd.DataFrame) -> Iterator[tuple[str, float, s
             yield f"{row.case}: {row.quantity}, {row.statistic}", row.computed, row.unit, run
 
 
+TUTORIAL = {"straight": "mine", "turn": "turn"}
+"""Folders of the tutorial's runs by name."""
+
+
+def tutorial(results: Path) -> Iterator[tuple[str, float, str, str]]:
+    """Yield the machine's answers of the tutorial's runs; those of one side have its name."""
+    for name, folder in TUTORIAL.items():
+        history = History.load(results / folder / "history.nc")
+        table = together(machine_answers(history))
+        apart = table["result"].duplicated(keep=False)
+        for row, is_apart in zip(table.itertuples(), apart, strict=True):
+            side = f", {row.of.split()[0]}" if is_apart else ""
+            yield f"{name}: {row.result}{side}", row.value, row.unit, f"run mine.toml --out results/{folder}"
+
+
+def machines(results: Path) -> Iterator[tuple[str, float, str, str]]:
+    """Yield the motion of the library's machines."""
+    for row in pd.read_csv(results / "library" / "motion.csv").to_dict("records"):
+        name = row.pop("machine")
+        for key, value in row.items():
+            unit = next((one for one in ("kN", "rad", "m") if key.split(",")[0].endswith(f" in {one}")), "1")
+            yield f"{name}: {key}", value, unit, f"python -m studies library {name}"
+
+
 def by_variant(results: Path) -> Iterator[tuple[str, str, str, str]]:
     """Yield the counts of rows of the rigid studies within their limits, by variant, case and class."""
     table = variants.counts(pd.read_csv(results / "variants" / "rigid.csv")).set_index("variant")
@@ -132,15 +157,28 @@ def by_variant(results: Path) -> Iterator[tuple[str, str, str, str]]:
 
 
 def renew(results: Path) -> None:
-    """Write `comparison.md` and all tables from the folder of the studies' folders."""
+    """Write `comparison.md` and the tables whose runs are in a folder of folders of runs."""
+    if (results / "variants").is_dir():
+        _renew_studies(results)
+    sources = {"tutorial": ("mine", tutorial), "machines": ("library", machines)}
+    for name, (folder, rows) in sources.items():
+        if (results / folder).is_dir():
+            _write(name, rows(results))
+
+
+def _write(name: str, rows: Iterator[tuple[str, object, str, str]]) -> None:
+    write_table(pd.DataFrame(rows, columns=COLUMNS), FOLDER / f"{name}.csv", overwrite=True)
+
+
+def _renew_studies(results: Path) -> None:
+    """Write what the papers' studies and their variants have found."""
     known = [pd.read_csv(results / "variants" / f"{name}_evidence.csv") for name in variants.STUDIES]
     write_table(pd.concat(known), EVIDENCE, overwrite=True)
     comparison.PAGE.write_text(comparison.page(results), encoding="utf-8")
     tables = {study: comparison.compared(results, study) for study in comparison.STUDIES}
-    found = {"counts": counts(tables), "stress": stresses(results, tables["stress"])}
-    found["variants"] = by_variant(results)
-    for name, rows in found.items():
-        write_table(pd.DataFrame(rows, columns=COLUMNS), FOLDER / f"{name}.csv", overwrite=True)
+    _write("counts", counts(tables))
+    _write("stress", stresses(results, tables["stress"]))
+    _write("variants", by_variant(results))
 
 
 def main(folder: str | None = None) -> None:

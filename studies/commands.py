@@ -299,6 +299,21 @@ def plate_sweep(
     typer.echo(f"the runs, results.csv and report.html are in {out}")
 
 
+@command("python -m studies library pc300lc d11")
+def library(
+    machines: Annotated[
+        list[str] | None, typer.Argument(help="names of the library's machines; default: all")
+    ] = None,
+    out: Out = RESULTS / "library",
+    overwrite: Overwrite = False,
+) -> None:
+    """Run machines of the library straight and on the spot: way and turn over the commanded, tensions."""
+    from studies.library import NAMES, study
+
+    _, table = study(out, machines or NAMES, overwrite=overwrite, say=typer.echo)
+    _show_tables(out, {"motion": (table, "Motion over the commanded one", ())})
+
+
 @command("python -m studies sliding-modes --out results/sliding_modes")
 def sliding_modes(
     runs: Annotated[bool, typer.Option("--runs", help="include the 10 s runs (ten minutes)")] = False,

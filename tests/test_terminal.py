@@ -160,6 +160,14 @@ FAKES = {
         "exudyn_crawler.results.stress.hot_spots.hot_spot_table": result(SPOTS),
         "studies.stress.highest_in_propel_and_loading": result(SPREAD),
     },
+    "studies library d11": {
+        "studies.library.study": result(
+            {},
+            pd.DataFrame(
+                [{"machine": "d11", "turn in rad": 0.4021234, "greatest tension in kN, turn": 350.71}]
+            ),
+        )
+    },
     "studies shovel-life": {"studies.life.study": result({}, LIFE.assign(propel_and_material="dragged_a36"))},
     "studies rollers": {"studies.rollers.study": result({}, SPOTS.assign(case="rolled", shoe=7))},
     "studies closed": {"studies.closed.study": result({}, LOOP, TORQUE, PEAKS, TURNS)},
