@@ -139,13 +139,27 @@ def tutorial(results: Path) -> Iterator[tuple[str, float, str, str]]:
             yield f"{name}: {row.result}{side}", row.value, row.unit, f"run mine.toml --out results/{folder}"
 
 
+MOTION = {
+    "distance in m": "way",
+    "commanded distance in m": "commanded way",
+    "distance over the commanded after the start": "way after start",
+    "greatest tension in kN, distance": "tension",
+    "turn in rad": "turn",
+    "commanded turn in rad": "commanded turn",
+    "turn over the commanded after the start": "turn after start",
+    "greatest tension in kN, turn": "tension in turn",
+}
+"""Short names of the columns of `motion.csv`, for tables with many numbers."""
+
+
 def machines(results: Path) -> Iterator[tuple[str, float, str, str]]:
     """Yield the motion of the library's machines."""
-    for row in pd.read_csv(results / "library" / "motion.csv").to_dict("records"):
-        name = row.pop("machine")
-        for key, value in row.items():
-            unit = next((one for one in ("kN", "rad", "m") if key.split(",")[0].endswith(f" in {one}")), "1")
-            yield f"{name}: {key}", value, unit, f"python -m studies library {name}"
+    table = pd.read_csv(results / "library" / "motion.csv").set_index("machine")
+    for machine, row in table.iterrows():
+        for column, name in MOTION.items():
+            unit = re.search(r" in (kN|rad|m)\b", column)
+            how = f"python -m studies library {machine}"
+            yield f"{machine} {name}", row[column], unit[1] if unit else "1", how
 
 
 def by_variant(results: Path) -> Iterator[tuple[str, str, str, str]]:
