@@ -107,7 +107,7 @@ def _answer(
     """Return name, value, location, and limit or verdict of a key result; with the start's if greater."""
     value, place = value_and_place(result)
     if start is not None:
-        place += f"; at the start {start.value:.4g} {start.unit}, t = {start.at:.4g} s"
+        place += f"; during the start {start.value:.4g} {start.unit}, t = {start.at:.4g} s"
     limit = ""
     if result.unit == "kN":
         limit = f"{1e5 * result.value / _carried(history):.3g} % of the load on the ground at the start"
