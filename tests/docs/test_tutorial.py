@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 PAGE = Path(__file__).parents[2] / "docs/tutorial.md"
-BLOCK = re.compile(r"^```(toml|csv|sh)\n(.*?)^```", re.MULTILINE | re.DOTALL)
+BLOCK = re.compile(r"^```(toml|text|sh)\n(.*?)^```", re.MULTILINE | re.DOTALL)
 LEFT = (
     "results/mine/report.html",
     "results/turn/report.html",
