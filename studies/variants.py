@@ -162,10 +162,10 @@ def repeat(
         for number, done in enumerate(as_completed(started), start=1):
             done.result()
             say(f"{name}: {number} of {len(missing)} runs, {started[done]}")
-    found = {run: json.loads(path.read_text(encoding="utf-8"))["rows"] for run, path in paths.items()}
-    reported = [comparison.reported_values(one) for one in dict.fromkeys(found[FIRST]["study"])]
+    records = {run: json.loads(path.read_text(encoding="utf-8"))["rows"] for run, path in paths.items()}
+    reported = [comparison.reported_values(one) for one in dict.fromkeys(records[FIRST]["study"])]
     rows = pd.concat(reported, ignore_index=True).rename(columns={"value": "paper"})[ROW]
-    return rows.assign(**{run: values["computed"] for run, values in found.items()})
+    return rows.assign(**{run: values["computed"] for run, values in records.items()})
 
 
 def _is_of(path: Path, repeated: Repeated, run: str) -> bool:

@@ -42,12 +42,12 @@ class Commands:
 
     def _checked(self, name: str, values: ArrayLike) -> np.ndarray:
         count = self._system.case.gear.tracks
-        found = np.array(values, dtype=float).reshape(-1)
-        if len(found) != count or not np.isfinite(found).all():
+        command = np.array(values, dtype=float).reshape(-1)
+        if len(command) != count or not np.isfinite(command).all():
             raise ValueError(
-                f"{name} must be {count} finite numbers, one for each track, got {found.tolist()}"
+                f"{name} must be {count} finite numbers, one for each track, got {command.tolist()}"
             )
-        return found
+        return command
 
     def applied(self, inputs: Inputs) -> Inputs:
         """Return loads and drive of a case with the commanded drive."""

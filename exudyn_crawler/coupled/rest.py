@@ -69,8 +69,8 @@ def rest_under(case: Case, mass: float, com: np.ndarray, replaces_upper: bool) -
             f"replaces_upper must be False with gear.kind {gear.kind!r}, which has no upper structure"
         )
     changes = _loaded(case, mass, com, replaces_upper)
-    found = _rest_of(case.with_(changes))
-    case = found.case.with_({path: _value(case, path) for path in changes})
+    rest = _rest_of(case.with_(changes))
+    case = rest.case.with_({path: _value(case, path) for path in changes})
     parts = gear.frame_parts[:-1] if replaces_upper else gear.frame_parts
     car_body = Mass.of(parts)
     assembly = assemble(case)
@@ -79,16 +79,16 @@ def rest_under(case: Case, mass: float, com: np.ndarray, replaces_upper: bool) -
     table.mass[frame], table.first[frame], table.second[frame] = car_body.times(1.0 - SHARE)
     system = CompiledSystem(case, assembly)
     row = np.zeros(system.layout.size)
-    system.layout.part(row, "coordinates")[:] = found.q
-    system.layout.part(row, "coordinates rate")[:] = found.q_t
-    system.set_state(row, {name: values.copy() for name, values in found.memory.items()})
+    system.layout.part(row, "coordinates")[:] = rest.q
+    system.layout.part(row, "coordinates rate")[:] = rest.q_t
+    system.set_state(row, {name: values.copy() for name, values in rest.memory.items()})
     gravity = case.gravity_vector()
     weight = (SHARE * car_body.mass + mass) * gravity
     moment = np.cross(SHARE * car_body.first + mass * com, gravity)
     return Rest(system, frame, car_body, np.concatenate((weight, moment)))
 
 
-class _Found(NamedTuple):
+class _CaseRest(NamedTuple):
     """Rest of a case."""
 
     case: Case  # with the take-up for its chains' tension
@@ -98,12 +98,12 @@ class _Found(NamedTuple):
 
 
 @lru_cache(maxsize=8)
-def _rest_of(case: Case) -> _Found:
+def _rest_of(case: Case) -> _CaseRest:
     """Return the rest of a case; equal machines of a model, or of several ones, have the same."""
     system = simulation.started(case, progress=False)
     assert isinstance(system, CompiledSystem)  # of a case with rollers
     q, q_t, _ = system.motion
-    return _Found(system.case, q, q_t, system.memory())
+    return _CaseRest(system.case, q, q_t, system.memory())
 
 
 def _loaded(case: Case, mass: float, com: np.ndarray, replaces_upper: bool) -> dict[str, Any]:
@@ -120,8 +120,8 @@ def _loaded(case: Case, mass: float, com: np.ndarray, replaces_upper: bool) -> d
         return {}
     part = gear.car_body if isinstance(gear, Machine) else gear
     path = "gear.car_body" if isinstance(gear, Machine) else "gear"
-    own = Part(part.mass, np.array(part.com), inertia_tensor(part.inertia))
-    whole = Mass.of([own, Part(mass, com, np.zeros((3, 3)))])
+    frame = Part(part.mass, np.array(part.com), inertia_tensor(part.inertia))
+    whole = Mass.of([frame, Part(mass, com, np.zeros((3, 3)))])
     center = whole.first / whole.mass
     about = Mass(whole.mass, whole.first, whole.second - whole.mass * np.outer(center, center)).inertia
     return {

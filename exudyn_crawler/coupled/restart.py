@@ -40,12 +40,12 @@ def restore_state(mbs: "exu.MainSystem", stored: Mapping[str, np.ndarray]) -> No
     of another model.
     """
     for name, values in store_state(mbs).items():
-        found = len(stored[name]) if name in stored else 0
+        count = len(stored[name]) if name in stored else 0
         # the memory of the ground grows as the track travels
         is_fixed = name.startswith(f"{MODEL} ") or name.endswith(f" {STATE}")
-        if name not in stored or (is_fixed and found != len(values)):
+        if name not in stored or (is_fixed and count != len(values)):
             raise ValueError(
-                f"the state is that of another model: {name!r} must have {len(values)} values, got {found}"
+                f"the state is that of another model: {name!r} must have {len(values)} values, got {count}"
             )
     data: Any = mbs.systemData
     initial = exu.ConfigurationType.Initial
@@ -53,5 +53,5 @@ def restore_state(mbs: "exu.MainSystem", stored: Mapping[str, np.ndarray]) -> No
         getattr(data, f"Get{part}")(initial, False)[:] = stored[f"{MODEL} {part}"]
     for number, track in enumerate(tracks_of(mbs), 1):
         first = f"{TRACK} {number} "
-        own = {name.removeprefix(first): one for name, one in stored.items() if name.startswith(first)}
-        track.block.restore(own)
+        arrays = {name.removeprefix(first): one for name, one in stored.items() if name.startswith(first)}
+        track.block.restore(arrays)

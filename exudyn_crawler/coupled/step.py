@@ -28,7 +28,7 @@ SLOW = 0.5
 WORTH = 10
 """Number of iterations of a user's model that cost as much as a new matrix (20 bodies: 0.2 and 2 ms)."""
 UNIT = 1e4
-"""Wrench, N and N m, by which the answers of initial accelerations are found: as large as loads are."""
+"""Wrench, N and N m, by which the answers of initial accelerations are outcomes: as large as loads are."""
 
 
 class CoupledStep:
@@ -103,11 +103,11 @@ class CoupledStep:
                 self._failed = None
                 return False
             pairs = zip(self._blocks, wrenches.reshape(-1, 6), strict=True)
-            found = [block.advance(wrench) for block, wrench in pairs]
-            if False in found:
-                self._failed = self._blocks[found.index(False)]
+            outcomes = [block.advance(wrench) for block, wrench in pairs]
+            if False in outcomes:
+                self._failed = self._blocks[outcomes.index(False)]
                 return False
-            if all(found):
+            if all(outcomes):
                 return True
 
     def _meet(self) -> np.ndarray | None:

@@ -84,10 +84,10 @@ class CoupledTrack:
         """
 
         def values(*_: object) -> list[float]:
-            found = self.history.quantity(quantity)
-            if "contact" in found.dims:
-                found = self.history.contacts_by_shoe()[quantity]
-            return np.ravel(found.isel(time=0).sel(**place)).tolist()
+            series = self.history.quantity(quantity)
+            if "contact" in series.dims:
+                series = self.history.contacts_by_shoe()[quantity]
+            return np.ravel(series.isel(time=0).sel(**place)).tolist()
 
         values()  # refuses a wrong name before the run
         return self._mbs.AddSensor(
@@ -201,14 +201,14 @@ def add_track(
     block = TrackBlock(rest, placement)
     pose = placement.pose(block.pose)
     velocity, spin = block.velocity
-    given = rest.car_body.times(SHARE)
+    car_mass = rest.car_body.times(SHARE)
     made = mbs.CreateRigidBody(
         name or case.name,
         referencePosition=pose.position,
         referenceRotationMatrix=pose.axes,
         initialVelocity=placement.turn @ velocity,
         initialAngularVelocity=placement.turn @ spin,
-        inertia=RigidBodyInertia(given.mass, given.inertia, given.first / given.mass),
+        inertia=RigidBodyInertia(car_mass.mass, car_mass.inertia, car_mass.first / car_mass.mass),
         gravity=placement.turn @ case.gravity_vector(),
         returnDict=True,
     )

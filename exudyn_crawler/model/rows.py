@@ -26,7 +26,7 @@ ACTED_ON = 3
 
 
 class Motion(NamedTuple):
-    """What a joint may depend on, beside its bodies: state, its own forces, and what is prescribed."""
+    """Inputs of a joint's rows beside its bodies: state, multipliers, prescribed motion, and weights."""
 
     state: FloatArray  # (3, coordinates): coordinates, rates and accelerations
     multipliers: FloatArray  # (rows,): of all joints, N and N m
