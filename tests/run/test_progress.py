@@ -110,7 +110,8 @@ def test_a_terminal_has_a_bar_of_what_is_expected(capsys):
 
 
 def test_parts_that_stay_on_a_machine_are_told_apart():
-    line = progress.times_line(progress.rule_of_thumb(CaseFile(case=small_flexible_case(), duration=1.0)))
+    case = small_flexible_case().with_({"flexible.mesh": "coarse"})
+    line = progress.times_line(progress.rule_of_thumb(CaseFile(case=case, duration=1.0)))
     every, once = line.split(", at the first start on a computer about ")
     assert every.startswith("time: about ")
     for part in (progress.SIMULATE, progress.RECOVER, progress.WRITE):
