@@ -184,32 +184,35 @@ TABLES = {"xarray", "pandas"}
 NUMBERS = {"numpy", "scipy"} | TABLES
 
 
-@pytest.mark.parametrize(
-    ("line", "heavy"),
-    [
-        ("exudyn_crawler --help", ENGINE_AND_FIGURES | NUMBERS | {"pydantic"}),
-        ("exudyn_crawler --version", ENGINE_AND_FIGURES | NUMBERS),
-        ("exudyn_crawler run --help", ENGINE_AND_FIGURES | NUMBERS),
-        ("exudyn_crawler info", ENGINE_AND_FIGURES | TABLES),
-        ("exudyn_crawler info uneven", ENGINE_AND_FIGURES | TABLES),
-        ("exudyn_crawler sweep --help", ENGINE_AND_FIGURES | NUMBERS),
-        # the weight of its flexible shoes is that of their mesh
-        ("exudyn_crawler info stress", (ENGINE_AND_FIGURES | TABLES) - {"skfem"}),
-        ("exudyn_crawler run nowhere.toml", ENGINE_AND_FIGURES),
-        ("exudyn_crawler init own --study opera", ENGINE_AND_FIGURES),
-        ("exudyn_crawler report nowhere", ENGINE_AND_FIGURES | NUMBERS),
-        ("exudyn_crawler animate nowhere", ENGINE_AND_FIGURES | NUMBERS),
-        ("studies kinematics --duration=-1", ENGINE_AND_FIGURES | NUMBERS),
-    ],
-)
-def test_help_a_case_and_a_refusal_load_nothing_heavy(line, heavy):
-    script = (
-        f"import runpy, sys; sys.argv = {line.split()}\n"
-        "try: runpy.run_module(sys.argv[0], run_name='__main__')\n"
-        "except SystemExit: pass\n"
-        f"heavy = {heavy} & set(sys.modules)\n"
-        "sys.exit(str(heavy) if heavy else 0)"
-    )
+LINES = [
+    ("exudyn_crawler --help", ENGINE_AND_FIGURES | NUMBERS | {"pydantic"}),
+    ("exudyn_crawler --version", ENGINE_AND_FIGURES | NUMBERS),
+    ("exudyn_crawler run --help", ENGINE_AND_FIGURES | NUMBERS),
+    ("exudyn_crawler sweep --help", ENGINE_AND_FIGURES | NUMBERS),
+    ("exudyn_crawler report nowhere", ENGINE_AND_FIGURES | NUMBERS),
+    ("exudyn_crawler animate nowhere", ENGINE_AND_FIGURES | NUMBERS),
+    ("studies kinematics --duration=-1", ENGINE_AND_FIGURES | NUMBERS),
+    ("exudyn_crawler info", ENGINE_AND_FIGURES | TABLES),
+    ("exudyn_crawler info uneven", ENGINE_AND_FIGURES | TABLES),
+    # the weight of its flexible shoes is that of their mesh
+    ("exudyn_crawler info stress", (ENGINE_AND_FIGURES | TABLES) - {"skfem"}),
+    ("exudyn_crawler run nowhere.toml", ENGINE_AND_FIGURES - {"skfem"}),
+    ("exudyn_crawler init own --study opera", ENGINE_AND_FIGURES - {"skfem"}),
+]
+"""Commands, and what none of them and of those before it may load."""
+LOADED = """
+import contextlib, runpy, sys
+for line, heavy in {lines}:
+    sys.argv = line.split()
+    with contextlib.suppress(SystemExit):
+        runpy.run_module(sys.argv[0], run_name="__main__")
+    if loaded := heavy & set(sys.modules):
+        sys.exit(f"{{line}}: {{loaded}}")
+"""
+
+
+def test_help_a_case_and_a_refusal_load_nothing_heavy():
+    script = LOADED.format(lines=LINES)
     done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
 
