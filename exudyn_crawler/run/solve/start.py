@@ -1,7 +1,5 @@
 """Start of a run: the system at rest or in steady creep by friction, and a warning of a residual force."""
 
-from functools import lru_cache
-
 import numpy as np
 
 from exudyn_crawler.case import Case, PairContact
@@ -49,14 +47,8 @@ def _start_of(system: TrackSystem, q: np.ndarray) -> np.ndarray:
     elif _is_held_by_slip(case):
         if not isinstance(system.contact.coordinates, TerrainModes):
             return _steady_with_units(system, q)
-        return _creep_of(case).copy()
+        return steady(system if isinstance(system, CompiledSystem) else compiled_system(case), q)
     return np.stack((q, np.zeros_like(q)))
-
-
-@lru_cache(maxsize=8)
-def _creep_of(case: Case) -> np.ndarray:
-    """Return coordinates and rates of a case's steady creep; a case that is run again has the same."""
-    return steady(compiled_system(case), static_equilibrium(case))
 
 
 def _is_held_by_slip(case: Case) -> bool:
