@@ -9,7 +9,7 @@ from exudyn_crawler.coupled.rest import TENSOR, Mass
 from exudyn_crawler.coupled.step import CoupledStep
 from exudyn_crawler.ground.cells.laws.bekker import BekkerSoil
 from exudyn_crawler.ground.rotations import rotation_matrices
-from exudyn_crawler.model.exudyn import exu, items
+from exudyn_crawler.model.exudyn import exu
 from exudyn_crawler.results.history import states
 from studies.balance import energy_balance
 from tests.coupled.models import (
@@ -17,11 +17,11 @@ from tests.coupled.models import (
     add_box,
     add_hinge,
     add_pendulum,
-    add_sensor,
     cuboid,
     model,
     settings,
     still_case,
+    swing,
 )
 from tests.rolled import small_case
 
@@ -34,27 +34,10 @@ BOB = 1500.0  # kg, a hundredth of the frame's
 
 def test_pendulum_swings_with_its_period_and_pulls_with_its_force():
     """On a frame that hardly yields: a hundred times as heavy, on rollers."""
-    case = still_case()
-    _container, mbs = model()
-    track = add_track(mbs, case, carried_mass=BOB, carried_com=(0.0, 0.0, HEIGHT))
-    bob = add_pendulum(mbs, track, BOB, LENGTH, HEIGHT, 0.25)
-    angles = add_sensor(mbs, bob, "Rotation")
-    load = mbs.AddSensor(items.SensorLoad(loadNumber=track.car.force, storeInternal=True))
-    mbs.Assemble()
-    solve_dynamic(mbs, settings(case, 1.0))
-    time, _, swing, _ = mbs.GetSensorStoredData(angles).T
-    k = int(np.flatnonzero(np.diff(np.sign(swing)))[0])
-    quarter = time[k] - swing[k] * (time[k + 1] - time[k]) / (swing[k + 1] - swing[k])
-    angle = abs(swing[0])
-    gravity = np.linalg.norm(track.gravity)
-    radius = LENGTH + 1.0 / (6.0 * LENGTH)  # a cube of 1 m
-    period = 2.0 * np.pi * np.sqrt(radius / gravity) * (1.0 + angle**2 / 16.0 + 11.0 * angle**4 / 3072.0)
-    assert 4.0 * quarter == pytest.approx(period, rel=1e-3)
-    # the support of the frame's Exudyn body, less its own weight
-    own = mbs.GetObject(track.body)["mass"] * gravity
-    pull = mbs.GetSensorStoredData(load)[k : k + 2, 3].max() - own
-    lowest = BOB * gravity + BOB * LENGTH * 2.0 * gravity * (1.0 - np.cos(angle)) / radius
-    assert pull == pytest.approx(lowest, rel=2e-3)
+    found = swing(still_case(), BOB, LENGTH, HEIGHT, 0.25)
+    assert found.period == pytest.approx(found.known_period, rel=1e-3)
+    lowest = slice(found.lowest, found.lowest + 2)
+    assert found.pulls[lowest].max() == pytest.approx(found.known_pull, rel=2e-3)
 
 
 def test_upper_structure_is_the_same_as_mass_and_as_a_body_locked_to_the_car_body():
