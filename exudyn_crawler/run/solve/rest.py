@@ -76,14 +76,18 @@ MOST = 25
 """Greatest number of iterations of a step of creeping."""
 
 STEADY_DRAGS = (8.0, 1.0, 0.1)
-"""Drags of the search for steady creep, 1/s, in this order, as long as each converges in `STEADY_STEPS`. The
-last one takes 2e-5 of the weight at 2 mm/s, the first one 2e-3; a run starts without drag."""
+"""Drags of the search for steady creep, 1/s, in this order, as long as each settles in its `STEADY_STEPS`.
+The last one takes 2e-5 of the weight at 2 mm/s, the first one 2e-3; a run starts without drag."""
 STEADY_TIME = 1.0
 """Duration with each drag, s: speeds change by half within 0.2 s."""
 STEADY_STEP = 5e-3
 """First step with each drag, s."""
-STEADY_STEPS = 700
-"""Greatest number of steps with each drag. Newton's matrix omits rotations of shoes about a contact."""
+STEADY_STEPS = (700, 250, 250)
+"""Greatest number of steps with each drag. Newton's matrix omits rotations of shoes about a contact, so that
+a dragged track takes 540 with the first one. A further drag that settles takes 12 to 200; where it needs
+more, contacts come and go."""
+STEADY_TRIAL = 50
+"""Number of steps after which a drag is given up whose steps so far are too short on average."""
 STEADY_RESIDUAL = 2e-3
 """Residual that ends the iteration of a step of the search for steady creep, root mean square, N."""
 
@@ -257,8 +261,8 @@ def steady(system: CompiledSystem, q: np.ndarray) -> np.ndarray:
     start = np.stack((q, np.zeros_like(q)))
     motion = start
     multipliers = np.zeros(system.tables.multipliers)
-    for drag in STEADY_DRAGS:
-        after = _steadied(system, motion, multipliers, drag)
+    for drag, most_steps in zip(STEADY_DRAGS, STEADY_STEPS, strict=True):
+        after = _steadied(system, motion, multipliers, drag, most_steps)
         if after is None:
             break
         motion, multipliers = after
@@ -267,13 +271,15 @@ def steady(system: CompiledSystem, q: np.ndarray) -> np.ndarray:
 
 
 def _steadied(
-    system: CompiledSystem, motion: np.ndarray, multipliers: np.ndarray, drag: float
+    system: CompiledSystem, motion: np.ndarray, multipliers: np.ndarray, drag: float, most_steps: int
 ) -> tuple[np.ndarray, np.ndarray] | None:
     """Return motion and multipliers `STEADY_TIME` later; None if steps are too many or too small."""
     time = 0.0
     step = STEADY_STEP
     inputs = _still(system)
-    for _ in range(STEADY_STEPS):
+    for count in range(most_steps):
+        if count == STEADY_TRIAL and time < STEADY_TIME * count / most_steps:
+            break
         state, after, iterations = _creeping_step(
             system, motion[0], multipliers, inputs, drag, step, STEADY_RESIDUAL
         )
