@@ -8,6 +8,7 @@ from numpy.typing import ArrayLike
 
 from exudyn_crawler.case import Case, CellTerrain
 from exudyn_crawler.ground import packed
+from exudyn_crawler.ground.laws import Impact
 from exudyn_crawler.model.bodies import Bodies, Modes, second_moment
 from exudyn_crawler.model.flexible_shoes import FloatingShoe
 from exudyn_crawler.model.forces.arms import Arms
@@ -19,6 +20,7 @@ from exudyn_crawler.model.joints.drive import Speeds
 from exudyn_crawler.model.joints.hold import Held
 from exudyn_crawler.model.joints.motor import Motors
 from exudyn_crawler.model.joints.pin import ROWS, Pins
+from exudyn_crawler.model.joints.play import Plays
 from exudyn_crawler.model.joints.pull import Pull
 from exudyn_crawler.model.joints.recoil import Recoils
 from exudyn_crawler.model.kinds import Joints
@@ -98,6 +100,7 @@ class Assembler:
             self.flexible[np.array(case.flexible.shoes) - 1] = True
         self.bodies: list[Body] = []
         self.pins: list[Hinge] = []
+        self.plays: list[tuple[Hinge, float]] = []  # links with play, distance of their contacts
         self.motors: list[Motor] = []
         self.drive = (0, 0)  # marker that it moves, body that it turns
         self.modes = packed.nothing(Modes)
@@ -155,6 +158,16 @@ class Assembler:
         """Add a pin between two markers; for the rest see `Hinge`."""
         self.pins.append(Hinge((rear, front), name, link, np.array(compliance), np.array(relaxation)))
 
+    def add_play(self, rear: int, front: int, name: str, link: int, half: float) -> None:
+        """Add a link with play between two markers; for `half` see `Plays`."""
+        rigid = np.zeros(ROWS)
+        self.plays.append((Hinge((rear, front), name, link, rigid, rigid), half))
+
+    @property
+    def hinges(self) -> list[Hinge]:
+        """Pins, then links with play, in the order of their rows."""
+        return [*self.pins, *(hinge for hinge, _ in self.plays)]
+
     def add_recoil(self, preload: float, compliance: float, stroke: float) -> None:
         """Make the last pin's row along the frame, with this compliance, the row of a recoil spring."""
         self._recoils.append((len(self.pins) - 1, preload, compliance, stroke))
@@ -183,7 +196,7 @@ class Assembler:
             for body, coordinate in self._holds
         ]
         single = [DRIVE, TURN, *holds, *(motor.name for motor in self.motors)]
-        return (*((pin.name, ROWS) for pin in self.pins), *((name, 1) for name in single))
+        return (*((pin.name, ROWS) for pin in self.hinges), *((name, 1) for name in single))
 
     def table_of_bodies(self) -> Bodies:
         """Return the table of all bodies.
@@ -214,7 +227,7 @@ class Assembler:
 
     def tables_of_joints(self) -> Joints:
         """Return the tables of all joints, whose rows follow kind by kind."""
-        first_speed = ROWS * len(self.pins)
+        first_speed = ROWS * len(self.hinges)
         first_hold = first_speed + 2
         pins = Pins(
             0,
@@ -233,11 +246,28 @@ class Assembler:
         recoils = np.array(self._recoils, dtype=float).reshape(-1, 4)
         return Joints(
             pins=pins,
+            plays=self._table_of_plays(),
             drive=Speeds(first_speed, *self.drive),
             pull=self.pull._replace(row=first_speed),
             holds=Held(first_hold, np.array(self._holds, dtype=np.int64).reshape(-1, 2)),
             motors=motors,
             recoils=Recoils(ROWS * recoils[:, 0].astype(np.int64), *np.ascontiguousarray(recoils[:, 1:].T)),
+        )
+
+    def _table_of_plays(self) -> Plays:
+        """Return the table of all links with play."""
+        count = len(self.pins)
+        play = self.case.gear.pin_play
+        law = (1.0, 0.0, 1.0) if play is None else (play.stiffness, play.damping, play.damping_depth)
+        return Plays(
+            ROWS * count,
+            1 if len(self.pull.markers) else 0,
+            count,
+            np.array([hinge.markers for hinge, _ in self.plays], dtype=np.int64).reshape(-1, 2),
+            np.array([half for _, half in self.plays], dtype=float),
+            self.case.gear.pin_clearance(self.case.track),
+            0.0 if play is None else play.axial,
+            Impact(law[0], 1.0, *law[1:]),
         )
 
     def table_of_loads(self) -> Loads:

@@ -30,9 +30,9 @@ def fronts_of(
     rows = _rows_by_name(assembler, len(terrain) + sum(map(len, coordinates)))
     chain: dict[int, Unknowns] = {}
     bearings: Unknowns = []
-    for pin in assembler.pins:
+    for pin in assembler.hinges:
         (chain.setdefault(pin.link, []) if pin.link else bearings).extend(rows[pin.name])
-    of_pins = {pin.name for pin in assembler.pins}
+    of_pins = {pin.name for pin in assembler.hinges}
     others = [row for name, numbers in rows.items() if name not in of_pins for row in numbers]
     order = sorted(chain)
     if assembler.case.gear.loops:
@@ -43,7 +43,7 @@ def fronts_of(
     couplings = [[*shoe, *terrain] for shoe in shoes]
     couplings += [
         [*coordinates[assembler.body_of(marker)], *rows[pin.name]]
-        for pin in assembler.pins
+        for pin in assembler.hinges
         for marker in pin.markers
     ]
     for members, names in assembler.couplings:

@@ -18,11 +18,12 @@ from exudyn_crawler.model.forces.teeth import Teeth, TeethWorkspace
 from exudyn_crawler.model.forces.units import UnitTable, UnitWorkspace
 from exudyn_crawler.model.forces.wheels import Wheels, WheelWorkspace
 from exudyn_crawler.model.inputs import Inputs
-from exudyn_crawler.model.joints import drive, hold, motor, pin, pull, recoil
+from exudyn_crawler.model.joints import drive, hold, motor, pin, play, pull, recoil
 from exudyn_crawler.model.joints.drive import Speeds
 from exudyn_crawler.model.joints.hold import Held
 from exudyn_crawler.model.joints.motor import Motors
 from exudyn_crawler.model.joints.pin import Pins
+from exudyn_crawler.model.joints.play import Plays
 from exudyn_crawler.model.joints.pull import Pull
 from exudyn_crawler.model.joints.recoil import Recoils
 from exudyn_crawler.model.markers import Markers
@@ -34,6 +35,7 @@ class Joints(NamedTuple):
     """Tables of all kinds of joints."""
 
     pins: Pins
+    plays: Plays
     drive: Speeds
     pull: Pull
     holds: Held
@@ -86,6 +88,7 @@ class ForceWork(NamedTuple):
 def write_joints(joints: Joints, bodies: Bodies, markers: Markers, motion: Motion, rows: JointRows) -> None:
     """Write the rows of all joints."""
     pin.write_rows(joints.pins, bodies, markers, motion, rows)
+    play.write_rows(joints.plays, bodies, markers, motion, rows)
     drive.write_rows(joints.drive, bodies, markers, motion, rows)
     pull.write_rows(joints.pull, bodies, markers, motion, rows)
     hold.write_rows(joints.holds, bodies, markers, motion, rows)

@@ -13,6 +13,7 @@ from exudyn_crawler.ground.cells.pressing import ShoePoints
 from exudyn_crawler.model.bodies import Bodies, Modes
 from exudyn_crawler.model.elimination import Fronts
 from exudyn_crawler.model.forces.loads import Loads
+from exudyn_crawler.model.joints.pin import ROWS
 from exudyn_crawler.model.kinds import Forces, ForceWork, Joints
 from exudyn_crawler.model.markers import Markers
 from exudyn_crawler.model.rows import JointRows
@@ -69,8 +70,10 @@ class Workspace(NamedTuple):
         count = len(tables.bodies.mass)
         m = len(tables.modes.stiffness)
         joints = tables.joints
-        directed = 1 if len(joints.pull.markers) else 0
-        turned = len(joints.pins.markers) if joints.pins.in_plane or joints.pins.follows else 0
+        links = len(joints.plays.markers)
+        directed = joints.plays.directed + ROWS * links
+        turns = joints.pins.in_plane or joints.pins.follows
+        turned = joints.plays.turned + links if turns else 0
         return cls(
             first=np.zeros((count, 3)),
             second=np.zeros((count, 3, 3)),

@@ -10,6 +10,7 @@ from typing import ClassVar, Literal, NamedTuple, Protocol
 import numpy as np
 
 from exudyn_crawler.case.parameters.car_body import Part
+from exudyn_crawler.case.parameters.closed_track import Play
 from exudyn_crawler.case.parameters.contact import PairContact, SphereContact
 from exudyn_crawler.case.parameters.drive import Drive
 from exudyn_crawler.case.parameters.loads import LoadCycle
@@ -161,6 +162,19 @@ class Gear(Parameters):
     def pin_compliance(self) -> float:
         """Lateral compliance of the pins: m/N sideways, rad/(N m) in yaw and roll."""
         return 0.0
+
+    @property
+    def pin_play(self) -> Play | None:
+        """Play of the chain's pins; None for ideal joints."""
+        return None
+
+    def pin_clearance(self, chain: Track) -> float:
+        """Return the radius of a bore less that of its pin, m."""
+        return 0.0
+
+    def shoe_pitch(self, chain: Track) -> float:
+        """Return the distance between the joint centres of a shoe, m; a pull adds the clearance."""
+        return self.chain_pitch(chain) - self.pin_clearance(chain)
 
     @property
     def is_set_by_tension(self) -> bool:

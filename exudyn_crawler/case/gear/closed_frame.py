@@ -9,7 +9,7 @@ from exudyn_crawler.case import ph4100c
 from exudyn_crawler.case.gear.base import WheelLabel, Whole
 from exudyn_crawler.case.gear.running_gear import RunningGear, overlap_errors
 from exudyn_crawler.case.parameters import base
-from exudyn_crawler.case.parameters.closed_track import Idler, Tumbler, Wheel
+from exudyn_crawler.case.parameters.closed_track import Idler, Play, Tumbler, Wheel
 from exudyn_crawler.case.parameters.track import SIDES, Shoe, Track
 from exudyn_crawler.settings import fields
 from exudyn_crawler.settings.parameters import Errors, option, quantity
@@ -92,6 +92,7 @@ class ClosedFrame(RunningGear):
         le=1e-3,
         default=1e-10,
     )
+    play: Play | None = option("play of the pins in their bores; none: ideal joints", None)
     tension_limit: float | None = quantity(
         "N", "tension at which a link breaks and the run ends; none: no limit", gt=0, le=1e12, default=None
     )
@@ -130,6 +131,8 @@ class ClosedFrame(RunningGear):
         if np.any(np.diff(ends) <= 0.0):
             got = fields.shown(list(self.slides))
             yield f"slides must have a positive length and be in order, rear to front, got {got}"
+        if self.play is not None and self.play.radial is None and self.pitch_growth < 0.0:
+            yield f"play.radial must be given with a pitch_growth below zero, got {self.pitch_growth}"
         turn = 2.0 * math.pi / self.tumbler.shoes_per_turn
         if self.fold_limit <= turn:
             angle = f"{2 * self.tumbler.gaps_per_shoe} pi / teeth = {turn:.4g} rad"
@@ -176,7 +179,8 @@ class ClosedFrame(RunningGear):
         middle = chain.pin_ahead - 0.5 * chain.pitch
         for side in SIDES:
             rear = np.array(chain.joint_centers[f"rear {side}"])
-            worn = rear - [self.pitch_growth * chain.pitch, 0.0, 0.0]
+            grown = 0.0 if self.takes_play_from_wear else self.pitch_growth
+            worn = rear - [grown * chain.pitch, 0.0, 0.0]
             places = [np.array([x, rear[1], z]) for x, z in self.tumbler.lugs] or [worn]
             lugs += [(f"{'rear' if place[0] < middle else 'front'} {side}", place) for place in places]
         return lugs
@@ -258,8 +262,25 @@ class ClosedFrame(RunningGear):
         return [*super().wheel_labels, WheelLabel("idler"), *self.upper]
 
     def chain_pitch(self, chain: Track) -> float:
-        """Return the distance between the pins of a shoe, with wear, m."""
-        return chain.pitch * (1.0 + self.pitch_growth)
+        """Return the distance between the pins of a shoe in a tight chain, with wear and play, m."""
+        pitch = chain.pitch * (1.0 + self.pitch_growth)
+        return pitch if self.play is None or self.takes_play_from_wear else pitch + self.pin_clearance(chain)
+
+    def pin_clearance(self, chain: Track) -> float:
+        """Return the radius of a bore less that of its pin, m."""
+        if self.play is None:
+            return 0.0
+        return self.pitch_growth * chain.pitch if self.play.radial is None else self.play.radial
+
+    @property
+    def pin_play(self) -> Play | None:
+        """Play of the chain's pins; None for ideal joints."""
+        return self.play
+
+    @property
+    def takes_play_from_wear(self) -> bool:
+        """True if the pins have moved in their bores by the wear, instead of their joint centres."""
+        return self.play is not None and self.play.radial is None
 
     def travel_per_angle(self, chain: Track) -> float:
         """Return the travel of the chain per radian of the tumbler, m/rad."""

@@ -183,6 +183,27 @@ class Tumbler(base.PH4100C, values=ph4100c.TUMBLER):
         return f"{' or '.join(words)} would do" if words else "it needs other teeth or lugs"
 
 
+class Play(Parameters):
+    """Play of the pins of a chain in their bores.
+
+    A pin presses on its bore, and a lug on its neighbour's end face, by one law: a stiffness, and a damping
+    that rises with the penetration.
+    """
+
+    radial: base.Extent | None = quantity(
+        "m",
+        "radius of a bore less that of its pin; none: the wear that makes the chain's pitch grow",
+        (0.0, 0.01),
+        default=None,
+    )
+    axial: base.Extent = quantity("m", "way of a lug to either side until the faces meet", (0.0, 0.02))
+    stiffness: base.Stiffness = quantity("N/m", "stiffness of a pin in its bore", (1e8, 1e11))
+    damping: base.Damping = quantity("N s/m", "greatest damping coefficient", (0.0, 1e8))
+    damping_depth: base.Depth = quantity(
+        "m", "penetration at which the damping is full", (1e-7, 1e-3), default=1e-5
+    )
+
+
 class Slide(Parameters):
     """Idler that slides along its side frame, pushed by a spring with a damper, and does not spin."""
 

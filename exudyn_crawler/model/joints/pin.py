@@ -138,25 +138,40 @@ def _write_turning(
 
     In a tight, slow chain this stiffness holds the shoes in line, and no equation solver may leave it out.
     """
-    row = rows.scratch[0]
-    for p in range(rows.turned.shape[0]):
+    for p in range(pins.markers.shape[0] if rows.turned.shape[0] > 0 else 0):
         rear = attitude_of(bodies, markers.body[pins.markers[p, 0]])
         first = pins.first + ROWS * p
         force = NOTHING
         for r in range(3):
             axis = _plane_axis(rear, r) if pins.in_plane else basis(r)
             force = along(force, multipliers[first + r], axis)
-        for side in range(2):
-            marker = pins.markers[p, side]
-            b = markers.body[marker]
-            rows.turned[p, side] = b
-            read_body(bodies, b, state[0], row)
-            attitude = attitude_of(bodies, b)
-            lever = end_of(markers, marker, attitude, row).lever
-            for j in range(3):
-                moment = cross(cross(attitude.axes[j], lever), force)
-                for i in range(3):
-                    rows.turning[p, side, i, j] = (2.0 * side - 1.0) * dot(attitude.axes[i], moment)
+        pair = pins.markers[p, 0], pins.markers[p, 1]
+        write_turned(p, pair, force, bodies, markers, state, rows)
+
+
+@inner
+def write_turned(
+    place: int,
+    pair: tuple[int, int],
+    force: Vector,
+    bodies: Bodies,
+    markers: Markers,
+    state: FloatArray,
+    rows: JointRows,
+) -> None:
+    """Write the change of the moments of a force at two markers at its place among the rotating pairs."""
+    row = rows.scratch[0]
+    for side in range(2):
+        marker = pair[side]
+        b = markers.body[marker]
+        rows.turned[place, side] = b
+        read_body(bodies, b, state[0], row)
+        attitude = attitude_of(bodies, b)
+        lever = end_of(markers, marker, attitude, row).lever
+        for j in range(3):
+            moment = cross(cross(attitude.axes[j], lever), force)
+            for i in range(3):
+                rows.turning[place, side, i, j] = (2.0 * side - 1.0) * dot(attitude.axes[i], moment)
 
 
 @inner

@@ -1,5 +1,7 @@
 """Shoes with the pins of their chain: rigid shoes, and flexible shoes in floating frames."""
 
+import math
+
 import numpy as np
 
 from exudyn_crawler.case import Case, CellTerrain
@@ -103,7 +105,7 @@ def _joint_center(case: Case, name: str) -> np.ndarray:
     end, side = name.split()
     centers = [case.track.joint_centers[f"{end} {pin}"] for pin in SIDES]
     center = np.mean(centers, axis=0) if side == MIDWAY else centers[SIDES.index(side)]
-    worn = case.gear.chain_pitch(case.track) - case.track.pitch if end == "rear" else 0.0
+    worn = case.gear.shoe_pitch(case.track) - case.track.pitch if end == "rear" else 0.0
     return np.array(center) - np.array([worn, 0.0, 0.0])
 
 
@@ -124,7 +126,26 @@ def _add_pins(assembler: Assembler) -> None:
             where = side if bends else case.gear.rigid_joint
             behind = joint_marker(assembler, rear, f"front {where}")
             ahead = joint_marker(assembler, front, f"rear {where}")
-            assembler.add_pin(behind, ahead, pin_name(side, rear + 1), rear + 1, compliance)
+            name = pin_name(side, rear + 1)
+            if case.gear.pin_play is None:
+                assembler.add_pin(behind, ahead, name, rear + 1, compliance)
+            else:
+                assembler.add_play(behind, ahead, name, rear + 1, _contact_arm(assembler, side, bends))
+
+
+def _contact_arm(assembler: Assembler, side: str, bends: bool) -> float:
+    """Return the distance (m) of both contacts of a link with play from its marker.
+
+    Rigid shoes have one at each pin. A pin of flexible shoes has both in its own bore, where two springs
+    resist rotation like an even bedding: half the length of the bore over the root of three.
+    """
+    if not bends or assembler.floating is None:
+        track = assembler.case.track
+        return 0.5 * abs(track.parallel_y - track.spherical_y)
+    reduced = assembler.floating.reduced
+    interface = next(one for one in reduced.interfaces if one.name == f"rear {side}")
+    mesh = shoe_model(assembler.case.part(FlexibleShoes), assembler.case.track)[0].mesh
+    return 0.5 * float(np.ptp(mesh.nodes[interface.nodes, 1])) / math.sqrt(3.0)
 
 
 def _add_load(assembler: Assembler, shoe: int) -> None:

@@ -112,7 +112,8 @@ def _pins(states: _States, angles: np.ndarray) -> tuple[np.ndarray, np.ndarray, 
     Axes of the rear shoe have the index 0, those of the front shoe the index 1. A joint's equations are
     ``p_front - p_rear = 0``, ``y0 . x1 = 0`` and ``y0 . z1 = 0``. The multipliers of the first are the force
     on the rear shoe. Those of the others are moments along ``x1 x y0`` and ``z1 x y0``. In a closed track the
-    first three are components along the axes of the chain's plane (`model.joints.pin`).
+    first three are components along the axes of the chain's plane (`model.joints.pin`). With play all are
+    along the axes of the front shoe without its pitch (`model.joints.play`).
     """
     layout = states.system.layout
     case = states.system.case
@@ -120,6 +121,8 @@ def _pins(states: _States, angles: np.ndarray) -> tuple[np.ndarray, np.ndarray, 
     frames = rotations.rotation_matrices(angles)
     rear, front = np.moveaxis(frames[:, case.gear.links(case.track) - 1], 2, 0)
     y0, x1, z1 = rear[..., 1], front[..., 0], front[..., 2]
+    plays = case.gear.pin_play is not None
+    axis = front[..., 1] if plays else y0
     names = [[pin_name(side, int(link)) for side in SIDES] for link in joints]
     has = np.array([[layout.has(name) for name in row] for row in names])
     present = np.array(names)[has]
@@ -130,9 +133,11 @@ def _pins(states: _States, angles: np.ndarray) -> tuple[np.ndarray, np.ndarray, 
     link = np.nonzero(has)[0]
     force, torque = np.zeros((2, len(reaction), *has.shape, 3))
     if case.gear.loops:
-        yaw = angles[..., 2]
+        yaw = angles[:, case.gear.links(case.track)[:, 1] - 1, 2] if plays else angles[..., 2]
         level = np.stack((np.cos(yaw), np.sin(yaw), np.zeros_like(yaw)), axis=-1)
-        axes = level, y0, np.cross(level, y0)
+        axes = level, axis, np.cross(level, axis)
+        if plays:
+            x1, z1 = axes[0], axes[2]
         force[:, has] = sum(reaction[..., r, None] * axes[r][:, link] for r in range(3))
     else:
         force[:, has] = reaction[..., :3]

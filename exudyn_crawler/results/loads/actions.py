@@ -182,7 +182,7 @@ def _joints(history: History, shoe: int, position: np.ndarray, frames: np.ndarra
         for number, pin in enumerate(pins):
             pushed = force[:, number]
             moment = torque[:, number]
-            wear = track.pitch - gear.chain_pitch(track)
+            wear = track.pitch - gear.shoe_pitch(track)
             if wear and end == "rear":  # a worn pin is farther back
                 moment = moment + np.cross(wear * frames[:, :, 0], pushed)
             point = position + frames @ _center(track, pin)

@@ -1,0 +1,162 @@
+"""Pins with play: no force within it, balance, closed forms of a pressed pin, tangent, rest, wear."""
+
+import numpy as np
+import pytest
+
+from exudyn_crawler import Case
+from exudyn_crawler.errors import ParameterError
+from exudyn_crawler.ground.rotations import rotation_matrices
+from exudyn_crawler.model.compiled_system import compiled_system
+from exudyn_crawler.model.joints.pin import ROWS
+from tests.model.both import compiled_matrix, residual_of
+
+pytestmark = pytest.mark.simulation
+
+RADIAL, AXIAL, STIFFNESS = 2e-3, 1e-3, 5e9
+PLAY = {"radial": RADIAL, "axial": AXIAL, "stiffness": STIFFNESS, "damping": 1e6}
+
+
+class Link:
+    """First link of a closed chain, both shoes level and nothing else moved."""
+
+    def __init__(self):
+        self.case = Case.closed().with_({"gear.play": PLAY})
+        self.system = compiled_system(self.case)
+        self.size = self.system.layout.coordinate_count
+        self.plays = self.system.tables.joints.plays
+        self.rows = slice(self.size + self.plays.first, self.size + self.plays.first + ROWS)
+
+    def laws(self, gap=(0.0, 0.0, 0.0), angles=(0.0, 0.0, 0.0), rate=(0.0, 0.0, 0.0)):
+        """Multipliers of the link with the front shoe moved off its pin (m), turned (rad), and moving."""
+        bodies = self.system.tables.bodies
+        rear, front = self.system.tables.markers.body[self.plays.markers[0]]
+        at = self.system.tables.markers.position[self.plays.markers[0]]
+        q, q_t = np.zeros((2, self.size))
+        first = bodies.coordinate[front]
+        turn = bodies.reference[front, 3:] + angles
+        q[first + 3 : first + 6] = angles
+        pin = bodies.reference[rear, :3] + rotation_matrices(bodies.reference[rear, 3:]) @ at[0]
+        q[first : first + 3] = pin + gap - bodies.reference[front, :3] - rotation_matrices(turn) @ at[1]
+        q_t[first : first + 3] = rate
+        return -residual_of(self.system, q, q_t)[self.rows]
+
+
+@pytest.fixture(scope="module")
+def link():
+    return Link()
+
+
+def test_no_force_within_the_play(link):
+    half = link.plays.half[0]
+    assert not link.laws((0.9 * RADIAL, 0.9 * AXIAL, 0.0)).any()
+    assert not link.laws((0.0, 0.0, -0.9 * RADIAL), rate=(1.0, 1.0, 1.0)).any()
+    assert not link.laws(angles=(0.0, 0.0, 0.9 * RADIAL / half)).any()
+
+
+def test_pressed_pin_has_the_penetration_of_its_force(link):
+    """Both pins bear half of a force; faces bear a side force."""
+    force = 1e6
+    depth = force / (2.0 * STIFFNESS)
+    way = np.array([0.6, 0.0, -0.8])
+    laws = link.laws((RADIAL + depth) * way)
+    np.testing.assert_allclose(laws, [*force * way, 0.0, 0.0], rtol=1e-7, atol=1.0)
+    laws = link.laws((0.0, -AXIAL - force / STIFFNESS, 0.0))
+    np.testing.assert_allclose(laws, [0.0, -force, 0.0, 0.0, 0.0], rtol=1e-9)
+
+
+def test_one_pin_takes_all_of_a_force_that_turns_the_link(link):
+    """A yaw that lifts one pin off leaves a moment of the force times half the distance of the pins."""
+    half = link.plays.half[0]
+    lifted, depth = 2e-4, 2e-4
+    yaw = (lifted + depth) / (2.0 * half)
+    laws = link.laws((RADIAL + 0.5 * (depth - lifted), 0.0, 0.0), angles=(0.0, 0.0, yaw))
+    assert laws[0] == pytest.approx(STIFFNESS * depth, rel=1e-3)
+    assert abs(laws[3]) == pytest.approx(half * laws[0], rel=1e-4)
+
+
+def test_damping_resists_the_approach_and_never_pulls(link):
+    pressed = np.array([RADIAL + 1e-4, 0.0, 0.0])
+    still = link.laws(pressed)[0]
+    assert link.laws(pressed, rate=(0.1, 0.0, 0.0))[0] == pytest.approx(still + 2.0 * 1e6 * 0.1)
+    assert link.laws(pressed, rate=(-10.0, 0.0, 0.0))[0] == 0.0
+
+
+def moved(system, seed):
+    """Coordinates and rates of a chain whose pins are pressed at random."""
+    rng = np.random.default_rng(seed)
+    q = system.first_guess()
+    shoes = 6 * system.case.track.shoe_count
+    q[:shoes] += np.tile([3e-3, 3e-3, 3e-3, 2e-3, 2e-3, 2e-3], shoes // 6) * rng.normal(size=shoes)
+    return q, 0.05 * rng.normal(size=len(q))
+
+
+def test_tangent_is_the_derivative_of_the_laws(link):
+    system = link.system
+    q, q_t = moved(system, 3)
+    weights = (1.0, 900.0, 9e5, False, 1e-3)
+    rows = slice(link.rows.start, link.rows.start + ROWS * len(link.plays.half))
+    matrix = compiled_matrix(system, q, q_t, weights)[rows, : link.size]
+    rng = np.random.default_rng(4)
+    for _ in range(5):
+        way = 1e-9 * rng.normal(size=link.size)
+        ends = [residual_of(system, q + s * way, q_t + s * 900.0 * way)[rows] for s in (1.0, -1.0)]
+        expected = 0.5 * (ends[0] - ends[1])
+        np.testing.assert_allclose(matrix @ way, expected, rtol=0.0, atol=1e-4 * np.abs(expected).max())
+
+
+def test_energy_of_pressed_pins_is_a_potential_and_their_damping_takes_work(link):
+    """Without rates forces have symmetric derivatives; what rates add to them does no positive work."""
+    system = link.system
+    q, q_t = moved(system, 6)
+    n = link.size
+    rows = slice(link.rows.start, link.rows.start + ROWS * len(link.plays.half))
+    matrix = compiled_matrix(system, q, np.zeros(n), (1.0, 0.0, 0.0, False, 1e-3))
+    stiffness = matrix[:n, rows] @ matrix[rows, :n]
+    np.testing.assert_allclose(stiffness, stiffness.T, rtol=0.0, atol=1e-9 * np.abs(stiffness).max())
+    still, moving = (-residual_of(system, q, rates)[rows] for rates in (np.zeros(n), q_t))
+    assert (moving - still) @ matrix[:n, rows].T @ q_t > 0.0
+
+
+def test_forces_and_moments_of_links_are_in_balance(link):
+    """Though pins are off their bores' middles."""
+    system = link.system
+    q, q_t = moved(system, 5)
+    none = residual_of(system, q, q_t)
+    multipliers = -none[link.size :]
+    bodies = system.tables.bodies
+    count = system.case.track.shoe_count
+    total, about, greatest = np.zeros(3), np.zeros(3), 0.0
+    chain = slice(link.plays.first, link.plays.first + ROWS * len(link.plays.half))
+    alone = multipliers.copy()
+    alone[: chain.start] = alone[chain.stop :] = 0.0
+    shoes = (residual_of(system, q, q_t, None, alone) - none)[: 6 * count].reshape(-1, 6)
+    for k in range(count):
+        roll, _, yaw = bodies.reference[k, 3:] + q[6 * k + 3 : 6 * k + 6]
+        axes = np.array(
+            [
+                [np.cos(yaw), np.sin(yaw), 0.0],
+                [-np.sin(yaw) * np.cos(roll), np.cos(yaw) * np.cos(roll), np.sin(roll)],
+                [0.0, 0.0, 1.0],
+            ]
+        )
+        moment = np.linalg.solve(axes, shoes[k, 3:])
+        total += shoes[k, :3]
+        place = bodies.reference[k, :3] + q[6 * k : 6 * k + 3]
+        about += moment + np.cross(place, shoes[k, :3])
+        greatest = max(greatest, np.abs(shoes[k]).max())
+    assert greatest > 1e6
+    np.testing.assert_allclose(total, 0.0, atol=1e-8 * greatest)
+    np.testing.assert_allclose(about, 0.0, atol=1e-7 * greatest)
+
+
+def test_play_from_wear_is_what_the_pitch_has_grown():
+    new = Case.closed()
+    worn = {"gear.pitch_growth": 0.002, "gear.idler.slack": 0.0}
+    play = PLAY | {"radial": None}
+    ideal, with_play = new.with_(worn), new.with_(worn | {"gear.play": play})
+    chain = new.track
+    assert with_play.gear.pin_clearance(chain) == pytest.approx(0.002 * chain.pitch)
+    assert with_play.gear.chain_pitch(chain) == ideal.gear.chain_pitch(chain)
+    assert with_play.gear.shoe_pitch(chain) == pytest.approx(chain.pitch)
+    with pytest.raises(ParameterError, match=r"play\.radial must be given with a pitch_growth"):
+        new.with_({"gear.pitch_growth": -0.001, "gear.play": play})
