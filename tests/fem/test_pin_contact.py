@@ -220,7 +220,8 @@ def test_stress_concentration_of_a_lug(ratio, calculix, measured):
 
     There both lug and pin are finite elements, 64 around, in frictionless surface-to-surface contact of 4e14
     N/m3. Peterson's curve, measured by Frocht and Hill, is higher: W. C. Young and R. G. Budynas, Roark's
-    Formulas for Stress and Strain, 7th ed., table 17.1, case 9. A coefficient of friction of 0.2 makes
+    Formulas for Stress and Strain, 7th ed., table 17.1, case 9; its coefficients are not confirmed by a copy
+    of it, so that it only bounds the factor. A coefficient of friction of 0.2 makes
     CalculiX's 2.65 a 2.84.
     """
     mesh = lug(ratio)
