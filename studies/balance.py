@@ -346,7 +346,8 @@ def energies(history: History) -> xr.Dataset:
     energy in their contacts with rails. The frame's energies include bogies and arms, and in a closed track
     tumblers and idlers. `teeth` is the energy in their contacts, `tensioners` that in the springs of idlers,
     `arm_springs` that in the springs of arms, from their nominal position, `elastic` that of the modes of
-    flexible shoes. Raises `ValueError` for flexible shoes of an open track, or on cells.
+    flexible shoes, `pin_springs` that of rubber bushes between rigid shoes. Raises `ValueError` for flexible
+    shoes of an open track, or on cells.
     """
     _only_known(history)
     case = history.case
@@ -383,6 +384,8 @@ def energies(history: History) -> xr.Dataset:
         elif (recoil := case.part(Closed).idler.recoil) is not None:
             back = case.part(Closed).assembled(case).take_up - _of_tracks(history, "take_up")
             stored["tensioners"] = np.sum(recoil.preload * back + 0.5 * recoil.stiffness * back**2, axis=0)
+    if case.track.pin.kind == "rubber":
+        stored["pin_springs"] = _bush_energy(history)
     if case.flexible is not None:
         squares = (history.modal_coordinate.values * 2.0 * np.pi * history.frequency.values) ** 2
         stored["elastic"] = 0.5 * squares.sum(axis=(1, 2))
@@ -401,9 +404,9 @@ def powers(history: History) -> xr.Dataset:
     the tension of the chain's ends, and `rolling_resistance` and `tread_damping` take power, too. In a closed
     track the drive is the torque on the tumblers. `wheel_losses` and `tooth_losses` are the power that wheels
     and teeth take and do not store: by resistance, damping and flanges. `drawbar` is the power that a drawbar
-    takes from the frame. `modal_damping`, `tensioner_damping` and `arm_damping` take power if they exist.
-    Raises `ValueError` as in `energies`, or for contact by
-    spheres: its history does not have the power of each contact.
+    takes from the frame. `modal_damping`, `tensioner_damping`, `arm_damping` and `pin_losses`
+    (friction of pins, and what rubber bushes lose) take power if they exist. Raises `ValueError` as in
+    `energies`, or for contact by spheres: its history does not have the power of each contact.
     """
     _only_known(history)
     case = history.case
@@ -420,10 +423,43 @@ def powers(history: History) -> xr.Dataset:
         named |= _rolled_powers(history, case.part(Rolled), shoes, supplied[Kind.CHAIN])
     if history.has("wheel_energy"):
         named |= _closed_powers(history, shoes)
+    if not case.track.pin.is_ideal:
+        named["pin_losses"] = _pin_losses(history, supplied[Kind.JOINT])
     if case.gear.frame_parts and case.part(RunningGear).arms:
         sprung = _sprung(history, _side_frame(history))
         named["arm_damping"] = np.sum([arm.damping * swung.rate**2 for arm, swung in sprung], axis=0)
     return _over_time(history, "W", **named)
+
+
+def _bush_energy(history: History) -> np.ndarray:
+    """Return the energy of the twisted bushes of all pins, J: (times,)."""
+    case = history.case
+    law = case.track.pin.law(case.track.pitch)
+    rear, front = np.moveaxis(
+        rotation_matrices(history.angles.values)[:, case.gear.links(case.track) - 1], 2, 0
+    )
+    ahead = front[..., 0]
+    angle = np.arctan2(-np.sum(ahead * rear[..., 2], axis=-1), np.sum(ahead * rear[..., 0], axis=-1))
+    energy: np.ndarray = 0.5 * law.stiffness * np.sum((angle - law.unloaded) ** 2, axis=1)
+    return energy
+
+
+def _pin_losses(history: History, on_frames: np.ndarray) -> np.ndarray:
+    """Return the power (times,) that the pins take and do not store, W.
+
+    `on_frames` is the power of their forces and moments on the frames of all shoes, W; flexible shoes are
+    bent besides.
+    """
+    taken = -on_frames
+    if history.case.flexible is not None:
+        units = unit_loads(history.case)
+        for shoe in history.case.flexible.shoes:
+            velocity = history.modal_velocity.sel(flexible_shoe=shoe).values
+            loads = loads_by_kind(history, shoe)[Kind.JOINT]
+            taken = taken - np.sum(loads @ units.work @ units.integrated.inside * velocity, axis=1)
+    if history.case.track.pin.kind == "rubber":
+        taken = taken - np.gradient(_bush_energy(history), history.time.values)
+    return taken
 
 
 def _unit_powers(history: History, shoes: _Motion) -> dict[str, np.ndarray]:
@@ -666,6 +702,10 @@ def _only_known(history: History) -> None:
     if case.flexible is not None and (case.contact.model == "cells" or not case.gear.loops):
         raise ValueError(
             "an open track, or one on cells, must have rigid shoes: the energy balance leaves out their modes"
+        )
+    if case.flexible is not None and case.track.pin.kind == "rubber":
+        raise ValueError(
+            "rubber bushes must be between rigid shoes: the balance leaves out modes in their twist"
         )
 
 

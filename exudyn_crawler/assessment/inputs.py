@@ -17,10 +17,10 @@ from exudyn_crawler.assessment.stability import Edges
 from exudyn_crawler.assessment.utilisation import PartStrength, PinnedHinge, RollerTread, chain_strength
 from exudyn_crawler.case import Case, CellContact, Machine, PairContact
 from exudyn_crawler.case.gear.running_gear import RunningGear
+from exudyn_crawler.case.parameters.pin import RADIUS as PIN_RADIUS
 from exudyn_crawler.ground.cells.laws.bekker import BekkerSoil
 from exudyn_crawler.origins import Ruled
 from exudyn_crawler.results.wear.closed_form import Bends, bends_of
-from exudyn_crawler.results.wear.duty_work import PIN_RADIUS
 from meshes.geometry import PITCH, ShoeDimensions
 
 RISE = 5e-3

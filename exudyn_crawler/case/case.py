@@ -210,6 +210,11 @@ class Case(Parameters):
         yield from self.gear.errors(self)
         if self.formulation == "compiled" and not self.is_compiled:
             yield f"formulation must be 'engine' or none with {NOT_COMPILED}"
+        if not self.track.pin.is_ideal and self.gear.pin_play is not None:
+            yield f"track.pin.kind must be 'ideal' with gear.play, got {self.track.pin.kind!r}"
+        if not self.track.pin.is_ideal and not self.is_compiled:
+            kind = self.track.pin.kind
+            yield f"track.pin.kind must be 'ideal' without compiled equations of motion, got {kind!r}"
         if isinstance(contact, SphereContact) and isinstance(terrain, Terrain):
             yield from self._sphere_errors(contact, terrain)
         yield from outline.support_errors(self, np.zeros(1))

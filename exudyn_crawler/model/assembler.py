@@ -17,6 +17,7 @@ from exudyn_crawler.model.forces.loads import Loads
 from exudyn_crawler.model.forces.teeth import Teeth
 from exudyn_crawler.model.forces.wheels import Wheels
 from exudyn_crawler.model.joints.drive import Speeds
+from exudyn_crawler.model.joints.friction import Frictions
 from exudyn_crawler.model.joints.hold import Held
 from exudyn_crawler.model.joints.motor import Motors
 from exudyn_crawler.model.joints.pin import ROWS, Pins
@@ -26,7 +27,7 @@ from exudyn_crawler.model.joints.recoil import Recoils
 from exudyn_crawler.model.kinds import Joints
 from exudyn_crawler.model.markers import Markers
 from exudyn_crawler.model.shoe_mesh import DrivePoint
-from exudyn_crawler.model.state import BODY_COORDINATES
+from exudyn_crawler.model.state import BODY_COORDINATES, friction_name
 
 DRIVE = "drive"
 TURN = "turn"
@@ -68,6 +69,12 @@ class Hinge(NamedTuple):
     link: int  # from 1; 0 for a pin outside the chain
     compliance: np.ndarray  # (ROWS,): m/N and rad/(N m)
     relaxation: np.ndarray  # (ROWS,): s
+    rubs: bool  # True: with a moment about its axis by `Frictions`
+
+    @property
+    def row_names(self) -> tuple[str, ...]:
+        """Names of its rows: of the pin, and of its friction if it has any."""
+        return (self.name, friction_name(self.name)) if self.rubs else (self.name,)
 
 
 class Motor(NamedTuple):
@@ -155,13 +162,15 @@ class Assembler:
         compliance: ArrayLike = (0.0,) * ROWS,
         relaxation: ArrayLike = (0.0,) * ROWS,
     ) -> None:
-        """Add a pin between two markers; for the rest see `Hinge`."""
-        self.pins.append(Hinge((rear, front), name, link, np.array(compliance), np.array(relaxation)))
+        """Add a pin between two markers, with friction if it is in the chain; for the rest see `Hinge`."""
+        rubs = link > 0 and not self.case.track.pin.is_ideal
+        arrays = np.array(compliance), np.array(relaxation)
+        self.pins.append(Hinge((rear, front), name, link, *arrays, rubs))
 
     def add_play(self, rear: int, front: int, name: str, link: int, half: float) -> None:
         """Add a link with play between two markers; for `half` see `Plays`."""
         rigid = np.zeros(ROWS)
-        self.plays.append((Hinge((rear, front), name, link, rigid, rigid), half))
+        self.plays.append((Hinge((rear, front), name, link, rigid, rigid, False), half))
 
     @property
     def hinges(self) -> list[Hinge]:
@@ -196,7 +205,8 @@ class Assembler:
             for body, coordinate in self._holds
         ]
         single = [DRIVE, TURN, *holds, *(motor.name for motor in self.motors)]
-        return (*((pin.name, ROWS) for pin in self.hinges), *((name, 1) for name in single))
+        rubbing = [friction_name(pin.name) for pin in self.pins if pin.rubs]
+        return (*((pin.name, ROWS) for pin in self.hinges), *((name, 1) for name in [*rubbing, *single]))
 
     def table_of_bodies(self) -> Bodies:
         """Return the table of all bodies.
@@ -227,7 +237,9 @@ class Assembler:
 
     def tables_of_joints(self) -> Joints:
         """Return the tables of all joints, whose rows follow kind by kind."""
-        first_speed = ROWS * len(self.hinges)
+        rubbing = np.flatnonzero([pin.rubs for pin in self.pins])
+        first_friction = ROWS * len(self.hinges)
+        first_speed = first_friction + len(rubbing)
         first_hold = first_speed + 2
         pins = Pins(
             0,
@@ -247,6 +259,7 @@ class Assembler:
         return Joints(
             pins=pins,
             plays=self._table_of_plays(),
+            frictions=Frictions(first_friction, rubbing, self.case.track.pin.law(self.case.track.pitch)),
             drive=Speeds(first_speed, *self.drive),
             pull=self.pull._replace(row=first_speed),
             holds=Held(first_hold, np.array(self._holds, dtype=np.int64).reshape(-1, 2)),

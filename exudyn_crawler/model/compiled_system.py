@@ -285,7 +285,7 @@ class CompiledSystem(track_system.TrackSystem):
 
     @property
     def pin_rows(self) -> int:
-        """Number of the pins' equations."""
+        """Number of the pins' equations, with those of their friction."""
         return self.tables.joints.drive.first
 
 

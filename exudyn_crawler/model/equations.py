@@ -269,6 +269,12 @@ def _add_joint_rows(system: IntArray, velocity: float, values: FloatArray) -> No
                 elimination.front(fronts, values, f)[row, place + c] += rate * rows.jacobian[r, side, c]
         if rows.directed[r] >= 0:
             _add_directions(system, r, values)
+    for k in range(rows.loaded.shape[0]):
+        r = rows.loaded[k, 0]
+        f = places.front[rows.bodies[r, 0]]
+        for c in range(3):
+            column = places.multiplier[f, rows.loaded[k, 1] + c]
+            elimination.front(fronts, values, f)[places.multiplier[f, r], column] += rows.by_load[k, c]
 
 
 @inner

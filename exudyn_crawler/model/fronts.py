@@ -1,5 +1,6 @@
 """Order of the elimination of a system's unknowns, and rows of its terms in the fronts."""
 
+from collections import Counter
 from collections.abc import Sequence
 
 import numpy as np
@@ -7,7 +8,6 @@ import numpy as np
 from exudyn_crawler.model import elimination
 from exudyn_crawler.model.assembler import Assembler
 from exudyn_crawler.model.bodies import Bodies
-from exudyn_crawler.model.joints.pin import ROWS
 from exudyn_crawler.model.tables import FrontRows
 
 Unknowns = list[int]
@@ -30,20 +30,23 @@ def fronts_of(
     rows = _rows_by_name(assembler, len(terrain) + sum(map(len, coordinates)))
     chain: dict[int, Unknowns] = {}
     bearings: Unknowns = []
-    for pin in assembler.hinges:
-        (chain.setdefault(pin.link, []) if pin.link else bearings).extend(rows[pin.name])
-    of_pins = {pin.name for pin in assembler.hinges}
+    hinges = assembler.hinges
+    pins_of = Counter(pin.link for pin in hinges)
+    rows_of = {pin.name: [row for name in pin.row_names for row in rows[name]] for pin in hinges}
+    for pin in hinges:
+        (chain.setdefault(pin.link, []) if pin.link else bearings).extend(rows_of[pin.name])
+    of_pins = {name for pin in hinges for name in pin.row_names}
     others = [row for name, numbers in rows.items() if name not in of_pins for row in numbers]
     order = sorted(chain)
     if assembler.case.gear.loops:
-        order.sort(key=lambda link: (len(chain[link]) == ROWS, link & -link))
+        order.sort(key=lambda link: (pins_of[link] == 1, link & -link))
     shoes = coordinates[: assembler.shoes]
     rest = [unknown for body in coordinates[assembler.shoes :] for unknown in body]
     groups = [*shoes, *(chain[link] for link in order), [*terrain, *rest, *others, *bearings]]
     couplings = [[*shoe, *terrain] for shoe in shoes]
     couplings += [
-        [*coordinates[assembler.body_of(marker)], *rows[pin.name]]
-        for pin in assembler.hinges
+        [*coordinates[assembler.body_of(marker)], *rows_of[pin.name]]
+        for pin in hinges
         for marker in pin.markers
     ]
     for members, names in assembler.couplings:

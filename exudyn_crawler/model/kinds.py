@@ -18,8 +18,9 @@ from exudyn_crawler.model.forces.teeth import Teeth, TeethWorkspace
 from exudyn_crawler.model.forces.units import UnitTable, UnitWorkspace
 from exudyn_crawler.model.forces.wheels import Wheels, WheelWorkspace
 from exudyn_crawler.model.inputs import Inputs
-from exudyn_crawler.model.joints import drive, hold, motor, pin, play, pull, recoil
+from exudyn_crawler.model.joints import drive, friction, hold, motor, pin, play, pull, recoil
 from exudyn_crawler.model.joints.drive import Speeds
+from exudyn_crawler.model.joints.friction import Frictions
 from exudyn_crawler.model.joints.hold import Held
 from exudyn_crawler.model.joints.motor import Motors
 from exudyn_crawler.model.joints.pin import Pins
@@ -36,6 +37,7 @@ class Joints(NamedTuple):
 
     pins: Pins
     plays: Plays
+    frictions: Frictions
     drive: Speeds
     pull: Pull
     holds: Held
@@ -89,6 +91,7 @@ def write_joints(joints: Joints, bodies: Bodies, markers: Markers, motion: Motio
     """Write the rows of all joints."""
     pin.write_rows(joints.pins, bodies, markers, motion, rows)
     play.write_rows(joints.plays, bodies, markers, motion, rows)
+    friction.write_rows(joints.frictions, joints.pins, bodies, markers, motion, rows)
     drive.write_rows(joints.drive, bodies, markers, motion, rows)
     pull.write_rows(joints.pull, bodies, markers, motion, rows)
     hold.write_rows(joints.holds, bodies, markers, motion, rows)

@@ -56,11 +56,19 @@ class JointRows(NamedTuple):
     # bodies' angles
     turned: Ints2
     turning: Floats4
+    # (k, 2) and (k, 3): rows of laws that depend on the force of a pin, each with the first row of that
+    # force, and the derivatives of their residuals by its three multipliers
+    loaded: Ints2
+    by_load: Floats2
     scratch: Floats2  # (2, 6 + m)
 
     @classmethod
-    def allocate(cls, rows: int, directed: int, turned: int, modes: int) -> "JointRows":
-        """Return a workspace for `rows` rows, `directed` directions and `turned` pairs of rotating bodies."""
+    def allocate(cls, rows: int, directed: int, turned: int, loaded: int, modes: int) -> "JointRows":
+        """Return a workspace for `rows` rows.
+
+        `directed` is the number of directions, `turned` that of pairs of rotating bodies, `loaded` that of
+        rows that depend on a force.
+        """
         width = 6 + modes
         return cls(
             bodies=np.full((rows, 2), -1),
@@ -75,6 +83,8 @@ class JointRows(NamedTuple):
             directions=np.zeros((directed, ACTED_ON, width)),
             turned=np.full((turned, 2), -1),
             turning=np.zeros((turned, 2, 3, 3)),
+            loaded=np.zeros((loaded, 2), dtype=np.int64),
+            by_load=np.zeros((loaded, 3)),
             scratch=np.zeros((2, width)),
         )
 

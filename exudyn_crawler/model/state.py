@@ -30,6 +30,11 @@ def pin_name(side: str, link: int) -> str:
     return f"{side} pin of link {link}"
 
 
+def friction_name(pin: str) -> str:
+    """Return the name of the friction of a joint at a pin, by the joint's name."""
+    return f"friction of {pin.replace(' of link ', ', link ')}"
+
+
 @dataclass(frozen=True)
 class StateLayout:
     """Parts of a state by name.

@@ -74,11 +74,12 @@ class Workspace(NamedTuple):
         directed = joints.plays.directed + ROWS * links
         turns = joints.pins.in_plane or joints.pins.follows
         turned = joints.plays.turned + links if turns else 0
+        loaded = len(joints.frictions.pins)
         return cls(
             first=np.zeros((count, 3)),
             second=np.zeros((count, 3, 3)),
             turning=np.zeros((count, 3, m)),
-            joints=JointRows.allocate(tables.multipliers, directed, turned, m),
+            joints=JointRows.allocate(tables.multipliers, directed, turned, loaded, m),
             forces=ForceWork.allocate(tables.forces, tables.terrain, contacts, shoes, m),
             on_terrain=np.zeros((len(tables.terrain.reference), 2)),
         )

@@ -153,9 +153,9 @@ def compiled(case, q, q_t):
     return Equations(-base, mass, (np.column_stack(pushed) / FORCE_SCALE)[:, rows], gaps[rows])
 
 
-def compiled_matrix(system, q, q_t, weights):
+def compiled_matrix(system, q, q_t, weights, multipliers=None):
     """Dense derivative of the compiled residual as Newton's method has it, on all unknowns."""
-    size = len(residual_of(system, q, q_t, weights=Weights(*weights)))
+    size = len(residual_of(system, q, q_t, multipliers=multipliers, weights=Weights(*weights)))
     fronts, values = system.tables.fronts, np.zeros_like(system.scratch[1])
     matrix(system.block, Weights(*weights), values)
     dense = np.zeros((size, size))

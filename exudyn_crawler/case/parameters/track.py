@@ -12,6 +12,7 @@ import fem
 from exudyn_crawler.case import ph4100c
 from exudyn_crawler.case.parameters import base, drive
 from exudyn_crawler.case.parameters.base import Length, Place
+from exudyn_crawler.case.parameters.pin import LinkPin
 from exudyn_crawler.settings import fields, parameters
 from exudyn_crawler.settings.parameters import Errors, Parameters, option, quantity
 from meshes import SHOE_SIZES
@@ -221,8 +222,8 @@ def _rails_of(mesh: "fem.Mesh") -> Rails | None:
 class Track(base.PH4100C, values=ph4100c.TRACK):
     """Open chain of equal shoes, linked by pins along y; shoe 1 is the rearmost, the last the front.
 
-    Every link is one frictionless hinge without redundant equations: a spherical joint at one pin and
-    an axis kept parallel at the other.
+    Every link is one hinge without redundant equations: a spherical joint at one pin and an axis kept
+    parallel at the other. Ideal pins, those of the papers, have no friction.
     """
 
     shoe_count: int = quantity("1", "number of shoes on all tracks", (2, 200), ge=2, le=MOST_SHOES)
@@ -232,6 +233,7 @@ class Track(base.PH4100C, values=ph4100c.TRACK):
     pin_height: float = quantity("m", "z of the pins above the COM", (-1.0, 1.0), ge=-100, le=100)
     spherical_y: Place = quantity("m", "global y of the spherical joints at t = 0")
     parallel_y: Place = quantity("m", "global y of the parallel joints at t = 0")
+    pin: LinkPin = LinkPin()
 
     def _errors(self) -> Errors:
         if self.pin_ahead >= self.pitch:

@@ -33,7 +33,7 @@ class Pins(NamedTuple):
 
 
 @inner(merged=True)
-def _plane_axis(attitude: Attitude, k: int) -> Vector:
+def plane_axis(attitude: Attitude, k: int) -> Vector:
     """Return axis k of a chain's plane, global: along the ground, across the chain, and normal to both."""
     if k == 2:
         return cross(attitude.axes[0], attitude.axes[1])
@@ -50,7 +50,7 @@ def _write_rigid(
 ) -> None:
     """Write a pin in a chain's plane between rigid bodies, the most frequent pin of a closed track."""
     rear, front = attitudes
-    axes = rear.axes[0], rear.axes[1], _plane_axis(rear, 2)
+    axes = rear.axes[0], rear.axes[1], plane_axis(rear, 2)
     across = turned(rear.R, basis(1))
     x = turned(front.R, basis(0))
     z = turned(front.R, basis(2))
@@ -113,7 +113,7 @@ def write_rows(pins: Pins, bodies: Bodies, markers: Markers, motion: Motion, row
             force = NOTHING
             moment = NOTHING
             if r < 3:
-                force = _plane_axis(at_a, r) if pins.in_plane else basis(r)
+                force = plane_axis(at_a, r) if pins.in_plane else basis(r)
                 gap[r] = dot(between, force) if pins.in_plane else between[r]
             else:
                 axis = axis_of(ahead, at_b, 0 if r == 3 else 2)
@@ -143,7 +143,7 @@ def _write_turning(
         first = pins.first + ROWS * p
         force = NOTHING
         for r in range(3):
-            axis = _plane_axis(rear, r) if pins.in_plane else basis(r)
+            axis = plane_axis(rear, r) if pins.in_plane else basis(r)
             force = along(force, multipliers[first + r], axis)
         pair = pins.markers[p, 0], pins.markers[p, 1]
         write_turned(p, pair, force, bodies, markers, state, rows)

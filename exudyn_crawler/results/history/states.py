@@ -14,7 +14,7 @@ from exudyn_crawler.case.gear.running_gear import RunningGear
 from exudyn_crawler.ground import rotations, terrain
 from exudyn_crawler.ground.cells.ground import COARSE
 from exudyn_crawler.ground.pairs import RESULT, RESULTS
-from exudyn_crawler.model.state import MOTOR, RATES, VERSION, pin_name
+from exudyn_crawler.model.state import MOTOR, RATES, VERSION, friction_name, pin_name
 from exudyn_crawler.results.history import History, catalogue, files
 
 if TYPE_CHECKING:
@@ -113,7 +113,8 @@ def _pins(states: _States, angles: np.ndarray) -> tuple[np.ndarray, np.ndarray, 
     ``p_front - p_rear = 0``, ``y0 . x1 = 0`` and ``y0 . z1 = 0``. The multipliers of the first are the force
     on the rear shoe. Those of the others are moments along ``x1 x y0`` and ``z1 x y0``. In a closed track the
     first three are components along the axes of the chain's plane (`model.joints.pin`). With play all are
-    along the axes of the front shoe without its pitch (`model.joints.play`).
+    along the axes of the front shoe without its pitch (`model.joints.play`). The moment of a pin's friction
+    is along y0.
     """
     layout = states.system.layout
     case = states.system.case
@@ -143,6 +144,9 @@ def _pins(states: _States, angles: np.ndarray) -> tuple[np.ndarray, np.ndarray, 
         force[:, has] = reaction[..., :3]
     about = np.cross(x1, y0), np.cross(z1, y0)
     torque[:, has] = sum(reaction[..., 3 + r, None] * about[r][:, link] for r in range(2))
+    if layout.has(friction_name(present[0])):
+        rubbed = [layout.first_multiplier(friction_name(name)) for name in present]
+        torque[:, has] += states.part("multipliers")[:, rubbed, None] * y0[:, link]
     return force, torque, has
 
 

@@ -18,8 +18,6 @@ HOUR = 3600.0  # s
 PAIR_OF = {"pitch": "pin", "rail": "rail", "bush": "bush", "sprocket": "bush"}
 """Pair whose work wears a part; that of a tooth goes with that of a bush."""
 WHEELS = ("roller", "carrier", "idler")
-PIN_RADIUS, PIN_LENGTH = 0.105, 0.6
-"""Radius of a pin and length of its bearing in pitches: diameter 0.20 to 0.22 (recalled), length assumed."""
 
 
 @dataclass(frozen=True)
@@ -54,10 +52,10 @@ def part_work(work: RunWork, part: str, measure: str, side: str = "", place: str
 
 
 def pin_size(plan: WearPlan, case: Case) -> tuple[float, float]:
-    """Return radius of a pin and length of its bearing, m: given ones, or assumed ones by the pitch."""
+    """Return radius of a pin and length of its bearing, m: those of the plan, or of the case."""
+    pin = case.track.pin
     pitch = case.track.pitch
-    pin = plan.pin
-    return pin.radius or PIN_RADIUS * pitch, pin.length or PIN_LENGTH * pitch
+    return plan.pin.radius or pin.radius_at(pitch), plan.pin.length or pin.length_at(pitch)
 
 
 def work_table(duty: DutyWork) -> pd.DataFrame:

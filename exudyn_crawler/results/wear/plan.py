@@ -123,10 +123,20 @@ class PinJoint(Parameters):
     """Joint of two links: pin and bush."""
 
     radius: float | None = quantity(
-        "m", "of a pin; none: 0.105 pitches, as of usual pins", (5e-3, 0.15), gt=0, le=1, default=None
+        "m",
+        "of a pin; none: that of the runs' case",
+        (5e-3, 0.15),
+        gt=0,
+        le=1,
+        default=None,
     )
     length: float | None = quantity(
-        "m", "of the bearing of pin and bush; none: 0.6 pitches", (0.02, 0.6), gt=0, le=5, default=None
+        "m",
+        "of the bearing of pin and bush; none: that of the runs' case",
+        (0.02, 0.6),
+        gt=0,
+        le=5,
+        default=None,
     )
     state: Literal["dry", "greased", "sealed"] | None = option(
         "lubrication; none: not known, and no hours by a coefficient", None
