@@ -70,9 +70,9 @@ def _scaled(entries: Iterable[fields.Item], of_base: Mapping[str, fields.Item]) 
 
 
 def _is_size(entry: fields.Item) -> bool:
-    """Return True for a nonzero quantity with a unit."""
+    """Return True for a nonzero quantity with a unit, other than a turning rate: no size gives it."""
     numbers = entry.value if isinstance(entry.value, tuple) else (entry.value,)
-    return bool(entry.unit) and any(number not in (None, 0.0, 0) for number in numbers)
+    return entry.unit not in ("", None, "rad/s") and any(number not in (None, 0.0, 0) for number in numbers)
 
 
 def _is_kept(entry: fields.Item, of_base: Mapping[str, fields.Item], in_file: set[fields.KeyPath]) -> bool:

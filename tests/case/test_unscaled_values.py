@@ -25,7 +25,7 @@ def lines_of(tmp_path):
 
 
 def test_a_part_of_another_scale_says_what_stays_of_the_base(lines_of):
-    shoe, track, _ = lines_of(SMALLER)
+    shoe, track = lines_of(SMALLER)
     assert shoe.startswith("shoe: mass 1000 kg in place of 4681.67 kg; from the base 'translation' stay ")
     stay = shoe.partition(" stay ")[2].split(", ")
     assert {"length", "width", "finger_length", "load_point"} <= set(stay)
@@ -49,5 +49,5 @@ def test_a_file_without_a_base_says_nothing(lines_of, tmp_path):
 
 
 def test_a_change_of_the_command_line_counts(lines_of):
-    (shoe, *_) = lines_of('base = "translation"\n', ["shoe.mass=2000"])
+    (shoe, _) = lines_of('base = "translation"\n', ["shoe.mass=2000"])
     assert "mass 2000 kg in place of 4681.67 kg" in shoe
