@@ -24,10 +24,10 @@ from exudyn_crawler.case_run import CaseRun
 from exudyn_crawler.ground.cells.laws.bekker import BekkerSoil
 from exudyn_crawler.ground.cells.laws.rock import RockFloor
 from exudyn_crawler.machines import Outputs
+from exudyn_crawler.results.balance import energy_balance
 from exudyn_crawler.results.life.duty import DutyRun
 from exudyn_crawler.results.life.life import in_words, life_of
 from exudyn_crawler.run.folder.record import HISTORY
-from studies.balance import energy_balance
 from studies.rollers import highest_by_region, rolled_case
 from studies.running import Running, by_name, save, study_runs
 

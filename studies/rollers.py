@@ -19,11 +19,11 @@ from exudyn_crawler.case.parameters.contact import PairContact
 from exudyn_crawler.case.parameters.terrain import Terrain
 from exudyn_crawler.case_run import CaseRun
 from exudyn_crawler.errors import SimulationStopped
+from exudyn_crawler.results.balance import energy_balance
 from exudyn_crawler.results.stress.hot_spots import REGIONS, SHARE, region_table
 from meshes import STEEL, mesh_named, shoe_path
 from meshes.rails import rail_outline
 from studies import CYCLE_DURATION
-from studies.balance import energy_balance
 from studies.running import Compared, Running, by_name, save, study_runs
 
 FLEXIBLE, COUNT = (17, 18, 19, 20, 21, 22), 38  # numbers of the flexible shoes, and the count of all shoes

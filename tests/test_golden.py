@@ -5,8 +5,8 @@ import json
 import numpy as np
 import pytest
 
+from exudyn_crawler.results.balance import energy_balance, frame_imbalance
 from exudyn_crawler.run.solve.rest import RESIDUAL
-from studies.balance import energy_balance, frame_imbalance
 from tests import golden
 
 pytestmark = pytest.mark.simulation

@@ -10,8 +10,8 @@ from exudyn_crawler.coupled.step import CoupledStep
 from exudyn_crawler.ground.cells.laws.bekker import BekkerSoil
 from exudyn_crawler.ground.rotations import rotation_matrices
 from exudyn_crawler.model.exudyn import exu
+from exudyn_crawler.results.balance import energy_balance
 from exudyn_crawler.results.history import states
-from studies.balance import energy_balance
 from tests.coupled.models import (
     STEP,
     add_box,

@@ -10,12 +10,12 @@ from exudyn_crawler.errors import EquilibriumError, ParameterError
 from exudyn_crawler.ground.cells.laws.bekker import BekkerSoil
 from exudyn_crawler.ground.cells.laws.rock import RockFloor
 from exudyn_crawler.model.compiled_system import CompiledSystem, compiled_system
+from exudyn_crawler.results.balance import shoe_imbalance, track_imbalance
 from exudyn_crawler.results.loads.kinds import Kind
 from exudyn_crawler.results.loads.load_map import INERTIA, loads_by_kind, unit_loads
 from exudyn_crawler.results.stress.recovery import recover_stresses
 from exudyn_crawler.run.solve.equilibrium import static_equilibrium
 from exudyn_crawler.run.solve.rest import settle
-from studies.balance import shoe_imbalance, track_imbalance
 from tests.model.both import matrix_errors
 
 pytestmark = pytest.mark.simulation

@@ -8,7 +8,7 @@ from exudyn_crawler.errors import ParameterError
 from exudyn_crawler.ground.rotations import rotation_matrices
 from exudyn_crawler.model.flexible_shoes import floating_shoe, shoe_model
 from exudyn_crawler.model.shoe_mesh import drive_point, pulled_node
-from studies.balance import powers, shoe_imbalance
+from exudyn_crawler.results.balance import powers, shoe_imbalance
 from studies.grounds import plain
 
 QUICK = StepProfile(times=(0.0, 0.1), values=(0.0, 0.05))

@@ -12,8 +12,8 @@ from exudyn_crawler.engine.system import ExudynSystem
 from exudyn_crawler.errors import EquilibriumError, SimulationStopped
 from exudyn_crawler.ground.contact import ground_contact
 from exudyn_crawler.ground.pairs import RESULT
+from exudyn_crawler.results.balance import powers, shoe_imbalance, track_imbalance
 from exudyn_crawler.run.solve.equilibrium import static_equilibrium
-from studies.balance import powers, shoe_imbalance, track_imbalance
 from studies.comparison import compare_kinematics
 from studies.forces import compare_forces, study as forces_study
 from studies.grounds import plain

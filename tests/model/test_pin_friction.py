@@ -12,7 +12,7 @@ from exudyn_crawler.errors import ParameterError
 from exudyn_crawler.ground.rotations import rotation_matrices
 from exudyn_crawler.model.compiled_system import compiled_system
 from exudyn_crawler.model.joints.friction import pin_moment
-from studies.balance import energy_balance
+from exudyn_crawler.results.balance import energy_balance
 from tests import golden
 from tests.model.both import compiled_matrix, residual_of
 

@@ -9,9 +9,9 @@ from exudyn_crawler.case.parameters.closed_track import SETTLING, Recoil, Tensio
 from exudyn_crawler.errors import ParameterError
 from exudyn_crawler.model.compiled_system import compiled_system
 from exudyn_crawler.model.equations import STIFFNESS
+from exudyn_crawler.results.balance import energy_balance, frame_imbalance
 from exudyn_crawler.results.history.states import system_history
 from exudyn_crawler.run.solve.equilibrium import static_equilibrium
-from studies.balance import energy_balance, frame_imbalance
 from tests.model.both import residual_of
 from tests.states import row_of
 

@@ -9,10 +9,10 @@ from exudyn_crawler.case.parameters.heights import MeasuredGrid, Ramp, Roughness
 from exudyn_crawler.errors import ParameterError
 from exudyn_crawler.machines.case_files import read_case
 from exudyn_crawler.model.compiled_system import compiled_system
+from exudyn_crawler.results.balance import shoe_imbalance
 from exudyn_crawler.run.solve.equilibrium import static_equilibrium
 from exudyn_crawler.views.scenes.pictures import side_scene
 from exudyn_crawler.views.scenes.track import instants
-from studies.balance import shoe_imbalance
 from studies.sliding import check_sliding
 
 SHOES = 4

@@ -6,10 +6,10 @@ import pytest
 from exudyn_crawler import Case, Drive, FlexibleShoes, LoadCycle, Phase, simulate
 from exudyn_crawler.ground.rotations import rotation_matrices
 from exudyn_crawler.model.flexible_shoes import floating_shoe, side_weights
+from exudyn_crawler.results.balance import energy_balance, shoe_imbalance
 from exudyn_crawler.results.loads.actions import actions, shoe_mass
 from exudyn_crawler.results.loads.load_map import unit_loads
 from exudyn_crawler.run.solve.equilibrium import static_equilibrium
-from studies.balance import energy_balance, shoe_imbalance
 from tests.modal_loads import modal_loads
 from tests.small_shoe import SMALL_SHOE
 

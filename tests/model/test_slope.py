@@ -8,9 +8,9 @@ import pytest
 from exudyn_crawler import Case, Drive, LoadCycle, SphereContact, simulate
 from exudyn_crawler.case import statics
 from exudyn_crawler.ground.contact import ground_contact
+from exudyn_crawler.results.balance import energy_balance, shoe_imbalance, track_imbalance
 from exudyn_crawler.run.solve.equilibrium import static_equilibrium
 from exudyn_crawler.run.solve.rest import STEADY_DRAGS
-from studies.balance import energy_balance, shoe_imbalance, track_imbalance
 from studies.grounds import plain
 from studies.sliding import check_sliding, steady_sliding
 from tests.small_shoe import SMALL_SHOE

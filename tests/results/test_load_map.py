@@ -12,6 +12,14 @@ from exudyn_crawler.case.parameters.track import FlexibleShoes
 from exudyn_crawler.ground.rotations import rotation_matrices
 from exudyn_crawler.model.compiled_system import compiled_system
 from exudyn_crawler.model.shoe_mesh import cubic_weights, pulled_node, rail_rows, station_spacing
+from exudyn_crawler.results.balance import (
+    energies,
+    powers,
+    shoe_actions,
+    shoe_imbalance,
+    shoe_momentum_rates,
+    track_imbalance,
+)
 from exudyn_crawler.results.history.states import system_history
 from exudyn_crawler.results.loads.actions import (
     Action,
@@ -35,14 +43,6 @@ from exudyn_crawler.results.loads.locations import OnTread
 from exudyn_crawler.results.stress.basis import ground_grid, rail_stations, static_loads
 from fem import Partition
 from fem.body.element_stress import von_mises
-from studies.balance import (
-    energies,
-    powers,
-    shoe_actions,
-    shoe_imbalance,
-    shoe_momentum_rates,
-    track_imbalance,
-)
 from tests.modal_loads import modal_loads, whole_coordinates
 from tests.rolled import SHOES, small_flexible_case
 from tests.states import row_of

@@ -11,12 +11,12 @@ import xarray as xr
 
 import exudyn_crawler.results
 from exudyn_crawler import Case, simulate
+from exudyn_crawler.results.balance import track_imbalance
 from exudyn_crawler.results.history.catalogue import DERIVED, NEEDS, QUANTITIES, select
 from exudyn_crawler.results.history.files import packed
 from exudyn_crawler.results.history.quantities import TABLE
 from exudyn_crawler.results.loads.exports import roller_loads
 from exudyn_crawler.settings.fields import key_paths
-from studies.balance import track_imbalance
 from studies.comparison import time_mean
 from studies.grounds import plain
 

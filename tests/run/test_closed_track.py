@@ -16,11 +16,17 @@ from exudyn_crawler.ground.rotations import rotation_matrices
 from exudyn_crawler.machines import Outputs, read_case
 from exudyn_crawler.model.compiled_system import compiled_system
 from exudyn_crawler.model.equations import STIFFNESS
+from exudyn_crawler.results.balance import (
+    energy_balance,
+    frame_imbalance,
+    shoe_actions,
+    shoe_imbalance,
+    tumbler_imbalance,
+)
 from exudyn_crawler.results.history.catalogue import link_name
 from exudyn_crawler.results.history.states import system_history
 from exudyn_crawler.run.solve.equilibrium import static_equilibrium
 from exudyn_crawler.views.scenes.films import TrackPicture
-from studies.balance import energy_balance, frame_imbalance, shoe_actions, shoe_imbalance, tumbler_imbalance
 from studies.closed import torque_by_tension
 from tests.model.both import compiled_matrix, residual_of
 from tests.states import row_of

@@ -9,6 +9,7 @@ from exudyn_crawler.ground.rotations import rotation_matrices
 from exudyn_crawler.model.assembler import Body
 from exudyn_crawler.model.flexible_shoes import whole_reduction
 from exudyn_crawler.model.parts import shoes
+from exudyn_crawler.results.balance import energy_balance, shoe_actions, shoe_imbalance
 from exudyn_crawler.results.checks.roller_path import PRESSURE, plane_modulus, roller_path
 from exudyn_crawler.results.life.duty import DutyRun
 from exudyn_crawler.results.life.life import life_of
@@ -16,7 +17,6 @@ from exudyn_crawler.results.loads.actions import actions
 from exudyn_crawler.results.loads.exports import roller_loads, shoe_loads
 from exudyn_crawler.run.solve.equilibrium import static_equilibrium
 from fem.body.elasticity import Material
-from studies.balance import energy_balance, shoe_actions, shoe_imbalance
 from tests.modal_loads import kinds_of_gear_on_modes
 
 pytestmark = [pytest.mark.simulation, pytest.mark.slow]

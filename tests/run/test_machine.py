@@ -7,10 +7,10 @@ from exudyn_crawler import Case, FlexibleShoes, History, MachineCycle, StepProfi
 from exudyn_crawler.case import CarBody, Drive, LoadCycle, Machine, MachinePhase, Part
 from exudyn_crawler.ground.cells.laws.rock import RockFloor
 from exudyn_crawler.ground.rotations import rotation_matrices
+from exudyn_crawler.results.balance import energy_balance, frame_imbalance, shoe_imbalance, tumbler_imbalance
 from exudyn_crawler.results.history.catalogue import link_name
 from exudyn_crawler.views.figures import history_series, run_figures
 from exudyn_crawler.views.scenes.gear import gear_solids
-from studies.balance import energy_balance, frame_imbalance, shoe_imbalance, tumbler_imbalance
 
 pytestmark = [pytest.mark.simulation, pytest.mark.slow]
 

@@ -7,9 +7,9 @@ from exudyn_crawler import Case, StepProfile, simulate
 from exudyn_crawler.case import MachineCycle
 from exudyn_crawler.ground.cells.laws.bekker import BekkerSoil
 from exudyn_crawler.model.compiled_system import compiled_system
+from exudyn_crawler.results.balance import energy_balance, frame_imbalance, shoe_imbalance, track_imbalance
 from exudyn_crawler.results.loads.exports import roller_loads, shoe_loads
 from exudyn_crawler.run.solve.equilibrium import static_equilibrium
-from studies.balance import energy_balance, frame_imbalance, shoe_imbalance, track_imbalance
 from tests.modal_loads import kinds_of_gear_on_modes
 from tests.rolled import ROLLERS, small_case, small_flexible_case
 

@@ -21,10 +21,10 @@ from exudyn_crawler.model import newton
 from exudyn_crawler.model.compiled_system import compiled_system
 from exudyn_crawler.model.diagnostics import NewtonError
 from exudyn_crawler.model.exudyn import exu
+from exudyn_crawler.results.balance import shoe_imbalance, track_imbalance
 from exudyn_crawler.run.solve import simulation, stages
 from exudyn_crawler.run.solve.equilibrium import static_equilibrium
 from exudyn_crawler.run.solve.simulation import integrate
-from studies.balance import shoe_imbalance, track_imbalance
 from studies.grounds import plain
 
 pytestmark = pytest.mark.simulation

@@ -9,9 +9,9 @@ from exudyn_crawler import Case, History
 from exudyn_crawler.case import statics
 from exudyn_crawler.case.parameters.contact import SphereContact as Spheres
 from exudyn_crawler.errors import EquilibriumError
+from exudyn_crawler.results.balance import shoe_imbalance
 from exudyn_crawler.run.solve.equilibrium import static_equilibrium
 from studies import grounds
-from studies.balance import shoe_imbalance
 from studies.comparison import time_mean
 from studies.uneven_ground import study
 

@@ -7,7 +7,7 @@ import pytest
 
 from exudyn_crawler import Case, simulate
 from exudyn_crawler.ground.cells.laws.bekker import BekkerSoil
-from studies.balance import energies, energy_balance, powers
+from exudyn_crawler.results.balance import energies, energy_balance, powers
 from studies.grounds import plain
 from tests.rolled import small_flexible_case
 
