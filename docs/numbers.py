@@ -25,7 +25,7 @@ from docs.mentions import PAGES
 from exudyn_crawler import History
 from exudyn_crawler.results.history.machine import machine_answers, together
 from exudyn_crawler.views.tables import within_by_class, write_table
-from studies import variants
+from studies import order, variants
 from studies.comparison import ROW
 from studies.stress import RANKS, highest_in_propel_and_loading
 
@@ -170,11 +170,20 @@ def by_variant(results: Path) -> Iterator[tuple[str, str, str, str]]:
             yield f"{run}: {kind}", count, "rows", "python -m studies variants rigid"
 
 
+def orders(results: Path) -> Iterator[tuple[str, float, str, str]]:
+    """Yield the orders of convergence, and the differences of multipliers, by motion, radius and steps."""
+    for _, row in pd.read_csv(results / "order" / "order.csv").iterrows():
+        name = f"{row['motion']}, {row['spectral radius']:g}, {row['steps, ms'].split(',')[0]} ms"
+        for part in order.PARTS:
+            yield f"{name}: {part}", row[part], "1", "python -m studies order"
+        yield f"{name}: difference", row[order.DIFFERENCE], "N", "python -m studies order"
+
+
 def renew(results: Path) -> None:
     """Write `comparison.md` and the tables whose runs are in a folder of folders of runs."""
     if (results / "variants").is_dir():
         _renew_studies(results)
-    sources = {"tutorial": ("mine", tutorial), "machines": ("library", machines)}
+    sources = {"tutorial": ("mine", tutorial), "machines": ("library", machines), "order": ("order", orders)}
     for name, (folder, rows) in sources.items():
         if (results / folder).is_dir():
             _write(name, rows(results))

@@ -338,6 +338,18 @@ def verify() -> None:
     print_table(table, "Paper against computed")
 
 
+@command("python -m studies order dragged closed")
+def order(
+    motions: Annotated[list[str] | None, typer.Argument(help="names of motions; default: all")] = None,
+    out: Out = RESULTS / "order",
+) -> None:
+    """Show how fast smooth motions of each gear converge with the step: order two, on cells one."""
+    from studies.order import MOTIONS, study
+
+    table = study(out, motions or tuple(MOTIONS), typer.echo)
+    _show_tables(out, {"order": (table, "Order of convergence", ())})
+
+
 @command("python -m studies measurements --runs")
 def measurements(
     runs: Annotated[

@@ -31,7 +31,7 @@ from tests.test_release import read
 
 STUDIES = {
     *("kinematics", "forces", "stress", "uneven", "rollers", "closed", "grounds", "shovel-life"),
-    *("plate-sweep", "sliding-modes", "verify", "measurements", "library", "variants"),
+    *("plate-sweep", "sliding-modes", "verify", "measurements", "library", "variants", "order"),
 }
 COMMANDS = {
     *(

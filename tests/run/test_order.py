@@ -3,46 +3,21 @@
 import numpy as np
 import pytest
 
-from exudyn_crawler import Case, StepProfile
-from exudyn_crawler.run.solve.simulation import set_times, solver_settings, started
+from exudyn_crawler import Case
+from exudyn_crawler.model.state import StateLayout
+from studies import order
 from tests.rolled import small_case
 
 pytestmark = pytest.mark.simulation
 
-SLOW = StepProfile(times=(0.0, 1.0), values=(0.0, 0.1))
-"""m/s: the drive's ramp goes on over the whole motion."""
-BEGIN = 0.1
-"""Time after which the motion is compared, s: what is left of the search for rest has died away."""
 RATES = ("coordinates", "coordinates rate")
 
 
-def ends(case, length, steps):
-    """States at the end of a motion from `BEGIN`, one for each number of steps, and their layout."""
-    # the least residual that rounding lets Newton's method reach: what it leaves is 2 N of multipliers,
-    # a tenth of what steps of 1 ms and 0.5 ms differ by
-    case = case.with_(drive=case.drive.with_(speed=SLOW), solver=case.solver.with_(residual=1e-6))
-    system = started(case, progress=False)
-
-    def go_on(start, end, step):
-        settings = solver_settings(case.solver)
-        settings.timeIntegration.generalizedAlpha.computeInitialAccelerations = start == 0.0
-        system.solve(
-            settings, set_times(settings, case.solver.with_(step=step, output_interval=1.0), start, end)
-        )
-        return system.state()
-
-    begin = go_on(0.0, BEGIN, 5e-4)
-    found = []
-    for count in steps:
-        system.set_state(begin)
-        found.append(go_on(BEGIN, BEGIN + length, length / count))
-    return found, system.layout
-
-
-@pytest.mark.parametrize("radius", [0.6, 0.9])
+@pytest.mark.parametrize("radius", order.RADII)
 @pytest.mark.parametrize(
     ("make", "length", "steps", "parts"),
     [
+        # steps of 1 ms and 0.5 ms differ by ten times as much of multipliers as Newton's residual leaves
         (Case.translation, 0.16, (40, 80, 160), (*RATES, "multipliers")),
         (small_case, 0.08, (80, 160, 320), RATES),
         pytest.param(Case.closed, 0.08, (40, 80, 160), RATES, marks=pytest.mark.slow),
@@ -50,9 +25,27 @@ def ends(case, length, steps):
     ids=["dragged", "rolled", "closed"],
 )
 def test_halving_the_step_quarters_the_error(make, length, steps, parts, radius):
-    case = make()
-    states, layout = ends(case.with_(solver=case.solver.with_(spectral_radius=radius)), length, steps)
-    coarse, fine = np.diff(states, axis=0)
+    states, layout = order.states_at_end(make(), length, steps, radius)
     for part in parts:
-        ratio = np.linalg.norm(layout.part(coarse, part)) / np.linalg.norm(layout.part(fine, part))
-        assert np.log2(ratio) == pytest.approx(2.0, abs=0.1), part
+        assert order.orders(states, layout, part) == pytest.approx([2.0], abs=0.1), part
+
+
+def test_ground_of_cells_is_of_first_order():
+    states, layout = order.states_at_end(
+        order.MOTIONS["closed on hard floor"].make(), 0.04, (20, 40, 80), 0.6
+    )
+    assert order.orders(states, layout, "coordinates rate") == pytest.approx([1.0], abs=0.2)
+
+
+def test_orders_are_those_of_a_known_error():
+    """Of the error 3 h^2 beside the part with 5 h."""
+    layout = StateLayout(shoes=0, terrain=1, multipliers=(("drive", 1),))
+    steps = np.array([0.4, 0.2, 0.1, 0.05])
+    states = np.column_stack((np.ones(4), 1.0 + 3.0 * steps**2, *np.zeros((2, 4)), 2.0 + 5.0 * steps))
+    assert order.orders(states, layout, "coordinates") == pytest.approx([2.0, 2.0])
+    assert order.orders(states, layout, "multipliers") == pytest.approx([1.0, 1.0])
+
+
+def test_an_unknown_motion_is_refused():
+    with pytest.raises(ValueError, match=r"motions must be among dragged.* got walked"):
+        order.study(names=["walked"])
