@@ -9,12 +9,16 @@ from exudyn_crawler import StepProfile, simulate
 from exudyn_crawler.case import Drive
 from exudyn_crawler.machines.datasheet.derive import derived
 from exudyn_crawler.results.wear.closed_form import (
+    GrowthLimit,
     WheelTensions,
     bends,
     growth_limits,
     pin_work,
     take_up_of,
 )
+from exudyn_crawler.results.wear.duty_work import DutyWork, growth_table
+from exudyn_crawler.results.wear.parts import limit_fraction, limit_source
+from exudyn_crawler.results.wear.plan import WearDuty, WearPart, WearPlan, WearRun
 from exudyn_crawler.results.wear.sweeps import sweep_signs, sweep_work
 from exudyn_crawler.results.wear.work import PAIRS, run_work
 from tests.results.test_machine_answers import SHEET
@@ -98,13 +102,34 @@ def test_a_machine_that_stands_has_no_work(travels):
 
 def test_limits_of_growth_are_in_order_and_a_used_up_adjuster_is_one_of_them(travels):
     case = travels.case
-    limits = growth_limits(case, 0.0, 0.0175)
+    turning = GrowthLimit("turned", 0.0175, "source")
+    limits = growth_limits(case, 0.0, turning)
+    assert turning in limits
     assert [limit.growth for limit in limits] == sorted(limit.growth for limit in limits)
     end = case.gear.idler.range[1]
-    used_up = growth_limits(case, end, 0.0175)[0]
+    used_up = growth_limits(case, end, turning)[0]
     assert (used_up.limit, used_up.growth) == ("adjuster used up", 0.0)
     growth = next(limit.growth for limit in limits if limit.limit == "adjuster used up")
     assert take_up_of(growth, case.track.shoe_count // 2, case.track.pitch) == pytest.approx(end)
+
+
+@pytest.mark.parametrize(
+    ("parts", "growth", "how"),
+    [
+        ((), limit_fraction("pitch"), limit_source("pitch")),
+        ((WearPart(part="pitch", new=0.2),), limit_fraction("pitch"), limit_source("pitch")),
+        ((WearPart(part="pitch", new=0.2, limit=0.206),), 0.03, "wear file"),
+    ],
+    ids=["no pitch", "limit of makers", "limit of the file"],
+)
+def test_the_limit_of_turning_names_its_source(travels, parts, growth, how):
+    duty = WearDuty(runs=(WearRun(name="straight", folder="straight", share=1.0),))
+    work = DutyWork(duty, {"straight": run_work(travels, RADIUS, 20.0)})
+    table = growth_table(work, WearPlan(parts=parts, duties=(duty,)), None).set_index("limit")
+    turned = table.loc["pins and bushes to be turned"]
+    assert turned["growth in %"] == pytest.approx(100.0 * growth)
+    assert turned["how"] == how
+    assert "D31EX" in limit_source("pitch")
 
 
 def test_an_interval_without_states_is_refused(travels):

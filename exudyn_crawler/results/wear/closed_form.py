@@ -66,10 +66,10 @@ class GrowthLimit(NamedTuple):
     how: str
 
 
-def growth_limits(case: Case, take_up: float, makers: float) -> list[GrowthLimit]:
+def growth_limits(case: Case, take_up: float, turning: GrowthLimit) -> list[GrowthLimit]:
     """Return the limits of the growth of a chain's pitch, the least first.
 
-    `take_up` (m) is that of the chain now, `makers` the growth at which pins and bushes are turned.
+    `take_up` (m) is that of the chain now, `turning` the limit at which pins and bushes are turned.
     """
     closed = case.part(Closed)
     now = closed.pitch_growth
@@ -91,7 +91,7 @@ def growth_limits(case: Case, take_up: float, makers: float) -> list[GrowthLimit
             f"bushes stand R g higher, tips {1e3 * reach:.2f} mm above the pins' circle of "
             f"{1e3 * radius:.1f} mm; geometry, teeth without play",
         ),
-        GrowthLimit("pins and bushes to be turned", makers, "limit of the wear file"),
+        turning,
     ]
     return sorted(limits, key=lambda limit: limit.growth)
 

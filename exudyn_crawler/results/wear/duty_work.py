@@ -9,8 +9,9 @@ import pandas as pd
 from exudyn_crawler.case import Case
 from exudyn_crawler.results.wear import closed_form
 from exudyn_crawler.results.wear.forecast import PartForecast, WearForecast
-from exudyn_crawler.results.wear.laws import PowerLaw
+from exudyn_crawler.results.wear.laws import WORN_OUT, PowerLaw
 from exudyn_crawler.results.wear.life_fit import LifeFit
+from exudyn_crawler.results.wear.parts import limit_fraction, limit_source, limit_words
 from exudyn_crawler.results.wear.plan import WearDuty, WearPart, WearPlan
 from exudyn_crawler.results.wear.work import PAIRS, REGIONS, RunWork
 
@@ -128,16 +129,31 @@ def sweep_table(duty: DutyWork) -> pd.DataFrame:
     return pd.DataFrame(rows)
 
 
+def turning_limit(plan: WearPlan) -> closed_form.GrowthLimit:
+    """Return the growth at which pins and bushes are turned: that of the plan's pitch, or of makers.
+
+    Raises `ValueError` if the plan has no pitch and makers differ.
+    """
+    pitch = plan.part("pitch")
+    if pitch is not None:
+        growth, source = pitch.size_at_limit / pitch.new - 1.0, pitch.limit_source
+    else:
+        mean = limit_fraction("pitch")
+        if mean is None:
+            raise ValueError(f"parts must have a pitch with its limit: makers differ, {limit_words('pitch')}")
+        growth, source = mean, limit_source("pitch")
+    return closed_form.GrowthLimit("pins and bushes to be turned", growth, source)
+
+
 def growth_table(duty: DutyWork, plan: WearPlan, found: PartForecast | None) -> pd.DataFrame:
     """Return the limits of the growth of the pitch, the least first, with hours by inspections."""
     work = next(iter(duty.runs.values()))
-    pitch = plan.part("pitch")
-    makers = 0.0175 if pitch is None else pitch.size_at_limit / pitch.new - 1.0
+    turning = turning_limit(plan)
     rows = []
-    for limit in closed_form.growth_limits(work.case, work.take_up, makers):
+    for limit in closed_form.growth_limits(work.case, work.take_up, turning):
         hours = math.nan
         if found is not None and found.fit is not None:
-            hours = found.fit.life * found.fit.law.used(100.0 * limit.growth / makers)
+            hours = found.fit.life * found.fit.law.used(WORN_OUT * limit.growth / turning.growth)
         rows.append(
             {
                 "limit": limit.limit,

@@ -77,6 +77,12 @@ def limit_fraction(part: str) -> float | None:
     return sum(fractions) / len(fractions)
 
 
+def limit_source(part: str) -> str:
+    """Return the machines and manuals whose mean is `limit_fraction`."""
+    rows = [row for row in makers_limits() if row.part == part]
+    return f"mean of {', '.join(f'{row.machine} ({row.source})' for row in rows)}"
+
+
 def limit_words(part: str) -> str:
     """Return the limits of makers for a part, for reading; empty without any."""
     rows = [row for row in makers_limits() if row.part == part]

@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Literal
 
 from exudyn_crawler.results.wear.laws import PowerLaw, TwoRates, WearLaw
-from exudyn_crawler.results.wear.parts import PartName, limit_fraction, limit_words, makers_limits, parts
+from exudyn_crawler.results.wear.parts import PartName, limit_fraction, limit_source, limit_words, parts
 from exudyn_crawler.settings import fields
 from exudyn_crawler.settings.parameters import Errors, File, Name, Parameters, Several, option, quantity
 from exudyn_crawler.settings.reading import read_parameters
@@ -105,10 +105,7 @@ class WearPart(Parameters):
     @property
     def limit_source(self) -> str:
         """Source of the limit."""
-        if self.limit is not None:
-            return "wear file"
-        rows = [row for row in makers_limits() if row.part == self.part]
-        return f"mean of {', '.join(f'{row.machine} ({row.source})' for row in rows)}"
+        return limit_source(self.part) if self.limit is None else "wear file"
 
     @property
     def law_source(self) -> str:
