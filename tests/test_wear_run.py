@@ -4,8 +4,9 @@ import pandas as pd
 import pytest
 from typer.testing import CliRunner
 
-from exudyn_crawler import read_wear, wear
+from exudyn_crawler import Case, read_wear, wear
 from exudyn_crawler.errors import CaseFileError
+from exudyn_crawler.results.wear.ledger import inputs_ledger
 from exudyn_crawler.views.wear import file_name
 from exudyn_crawler.wear_run import INPUTS, OF_INSPECTIONS, WEAR_PAGE
 
@@ -61,6 +62,29 @@ def test_inspections_alone_give_residual_hours_and_a_page(plan, tmp_path):
     assert "What is due, and when" in page
     with pytest.raises(FileExistsError):
         wear(plan, tmp_path / "out")
+
+
+def test_the_ledger_has_units_of_the_fields_and_names_who_gives_the_propel_share(plan):
+    found = wear(plan)
+    case = Case.closed()
+    inputs = inputs_ledger(found.plan, case, found.forecast.inspections)
+    units = {path: inputs[path].unit for path in ("pin.radius", "sweep", "pin.state", "grouser_measure")}
+    assert units == {"pin.radius": "m", "sweep": "rad", "pin.state": "", "grouser_measure": ""}
+    assert inputs["pin.radius"].value == pytest.approx(case.track.pin.radius_at(case.track.pitch))
+    share = inputs["propel_share"]
+    assert (share.value, share.origin) == (pytest.approx(0.1), "derived")
+    assert found.forecast.per_machine_hour == pytest.approx(0.1)
+
+    stated = inputs_ledger(found.plan.with_(propel_share=0.2), case, found.forecast.inspections)
+    assert (stated["propel_share"].value, stated["propel_share"].origin) == (0.2, "given")
+
+    lines = SEEN.splitlines()
+    uncounted = [",".join((*line.split(",")[:2], "", *line.split(",")[3:])) for line in lines[1:]]
+    (plan.parent / "seen.csv").write_text("\n".join([lines[0], *uncounted]))
+    unknown = wear(plan)
+    assert unknown.inputs["propel_share"].value is None
+    assert unknown.inputs["propel_share"].origin == "assumed"
+    assert unknown.forecast.per_machine_hour == 1.0
 
 
 def test_a_plan_without_what_is_needed_is_refused(plan):

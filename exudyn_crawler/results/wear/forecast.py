@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 
+from exudyn_crawler.origins import Ruled
 from exudyn_crawler.results.wear.inspections import MACHINE, PROPEL, Basis, Inspections, Series
 from exudyn_crawler.results.wear.laws import WORN_OUT
 from exudyn_crawler.results.wear.life_fit import (
@@ -21,6 +22,8 @@ from exudyn_crawler.results.wear.parts import parts
 from exudyn_crawler.results.wear.plan import WearPart, WearPlan
 from exudyn_crawler.settings.fields import errors_at
 
+STATED = "stated"
+"""Rule of a propel share that the wear file gives."""
 LATEST = datetime.date(9000, 1, 1)
 """Latest date that is told."""
 
@@ -84,7 +87,8 @@ class WearForecast:
         """Hours of the basis in a machine hour; NaN if unknown."""
         if self.inspections.basis == MACHINE:
             return 1.0
-        return self.plan.propel_share or self.inspections.propel_share
+        share = propel_share(self.plan, self.inspections).value
+        return math.nan if share is None else float(share)
 
     def date_after(self, hours: float) -> datetime.date | None:
         """Return the date after some hours of the basis, at the rate of the inspections; None if unknown."""
@@ -193,6 +197,14 @@ class WearForecast:
 def _hours(hours: float) -> str:
     """Return hours in three digits."""
     return "no end" if math.isinf(hours) else f"{float(f'{hours:.3g}'):.0f}"
+
+
+def propel_share(plan: WearPlan, inspections: Inspections | None) -> Ruled:
+    """Return propel hours over machine hours: that of the plan, or as counted; the value None is unknown."""
+    if plan.propel_share is not None:
+        return Ruled(plan.propel_share, STATED)
+    counted = math.nan if inspections is None else inspections.propel_share
+    return Ruled(None, "unknown") if math.isnan(counted) else Ruled(counted, "counted")
 
 
 def percent_worn(size: np.ndarray, part: WearPart) -> np.ndarray:

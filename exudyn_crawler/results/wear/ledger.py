@@ -8,6 +8,7 @@ from typing import Any
 from exudyn_crawler.case import Case
 from exudyn_crawler.origins import Entry, Ledger, Origin, Rule, read_rules
 from exudyn_crawler.results.wear.duty_work import pin_size
+from exudyn_crawler.results.wear.forecast import STATED, propel_share
 from exudyn_crawler.results.wear.inspections import Inspections
 from exudyn_crawler.results.wear.plan import WearPlan
 from exudyn_crawler.settings import fields
@@ -44,24 +45,17 @@ def _entries(plan: WearPlan, case: Case | None, inspections: Inspections | None)
         if part.coefficient is not None:
             yield Entry(f"{path}.coefficient", part.coefficient, "m2/N", Origin.GIVEN, GIVEN, part.part)
     if plan.propel_share is not None or inspections is not None:
-        counted = plan.propel_share or (None if inspections is None else inspections.propel_share)
-        known = counted is not None and counted == counted
-        name = None if plan.propel_share is not None else "counted" if known else "unknown"
-        yield _entry("propel_share", counted if known else None, "1", name)
+        share = propel_share(plan, inspections)
+        yield _entry("propel_share", share.value, "1", None if share.rule == STATED else share.rule)
     if case is not None:
         radius, length = pin_size(plan, case)
         values = dict(
             zip(OF_ALL, (radius, length, plan.pin.state, plan.sweep, plan.grouser_measure), strict=True)
         )
+        items = {item.path: item for item in fields.values_of(plan)}
         for path, value in values.items():
-            is_set = _stated(plan, path)
-            yield _entry(path, value, "rad" if path == "sweep" else "m", None if is_set else "")
-
-
-def _stated(plan: WearPlan, path: str) -> bool:
-    """Return True if a plan gives the value at a path, other than its default."""
-    item = next(item for item in fields.values_of(plan) if item.path == path)
-    return bool(item.value != item.field.default)
+            item = items[path]
+            yield _entry(path, value, item.unit, None if item.value != item.field.default else "")
 
 
 def _entry(rule_path: str, value: Any, unit: str, name: str | None, path: str = "", how: str = "") -> Entry:
