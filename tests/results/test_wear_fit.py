@@ -111,6 +111,7 @@ def test_inspections_count_from_the_last_new_part(tmp_path):
         ("10.1.2024,1000,80,pitch,right,,873,4\n", "date must be as 2026-03-01"),
         ("2024-01-10,1000,80,pitch,middle,,873,4\n", "side must be right, left or empty"),
         ("2024-01-10,1000,80,pitch,right,,x,4\n", "value must be a number, 'new' or 'turned'"),
+        ("2024-01-10,1000,80,pitch,right,,873,four\n", "links must be a number, got 'four'"),
         ("2024-01-10,1000,80,roller,right,,turned,\n", "only pitch and bush are turned"),
         ("2024-01-10,1000,80,bush,right,,70,4\n", "links are for a pitch"),
         (

@@ -20,6 +20,7 @@ from exudyn_crawler.case.parameters.columns import MISSING, factor_of, head_part
 from exudyn_crawler.results.wear.parts import PartName, parts
 
 NEW, TURNED = "new", "turned"
+REMARKS = f", {NEW!r} or {TURNED!r}"
 HOURS = "hours "
 """Begin of the heads of columns with the hours of a run."""
 MACHINE, PROPEL = "machine hours", "propel hours"
@@ -189,7 +190,7 @@ def read_inspections(path: str | Path) -> Inspections:
         state = cell if cell in (NEW, TURNED) else ""
         if state == TURNED and part not in TURNED_PARTS:
             raise ValueError(f"{where}: only {' and '.join(TURNED_PARTS)} are turned, got part {part!r}")
-        size = np.nan if state else _positive(cell, f"{where}: value") * factors["value"]
+        size = np.nan if state else _positive(cell, f"{where}: value", REMARKS) * factors["value"]
         link = columns.get("links", empty)[row]
         links = 1.0 if link.lower() in MISSING else _positive(link, f"{where}: links")
         if links != 1.0 and part != "pitch":
@@ -277,12 +278,12 @@ def _date(cell: str, where: str) -> datetime.date:
         raise ValueError(f"{where}: date must be as 2026-03-01, got {cell!r}") from None
 
 
-def _positive(cell: str, name: str) -> float:
-    """Return a positive number of a cell."""
+def _positive(cell: str, name: str, words: str = "") -> float:
+    """Return a positive number of a cell; `words` are what the column may have in its place."""
     try:
         value = float(cell)
     except ValueError:
-        raise ValueError(f"{name} must be a number, {NEW!r} or {TURNED!r}, got {cell[:40]!r}") from None
+        raise ValueError(f"{name} must be a number{words}, got {cell[:40]!r}") from None
     if not 0.0 < value < np.inf:
         raise ValueError(f"{name} must be greater than 0, got {cell!r}")
     return value
