@@ -87,6 +87,21 @@ def test_the_ledger_has_units_of_the_fields_and_names_who_gives_the_propel_share
     assert unknown.forecast.per_machine_hour == 1.0
 
 
+def test_a_stated_error_of_readings_gives_the_bands_of_each_run(plan):
+    hours = ("75,5", "100,60", "175,65")
+    lines = [line + f",{hours[min(number // 2, 2)]}" for number, line in enumerate(SEEN.splitlines()[1:7])]
+    (plan.parent / "seen.csv").write_text("\n".join([SEEN.splitlines()[0] + ",hours a,hours b", *lines]))
+    plan.write_text(
+        f"by_run = true\n{PLAN}".replace('new = "216 mm"', 'new = "216 mm"\nreading_error = "0.2 mm"')
+    )
+    table = wear(plan).forecast.table
+    assert table["scatter in %"].to_numpy() == pytest.approx([100.0 * 0.2 / (216.0 * 0.0175)] * 2, rel=3e-3)
+    bands = table["life at most"] - table["life at least"]
+    plan.write_text(plan.read_text().replace("0.2 mm", "0.1 mm"))
+    narrow = wear(plan).forecast.table
+    assert (narrow["life at most"] - narrow["life at least"] < 0.6 * bands).all()
+
+
 def test_a_plan_without_what_is_needed_is_refused(plan):
     plan.write_text(PLAN.replace('limit = "165 mm"', ""))
     with pytest.raises(CaseFileError, match="limit must be given for a part 'roller': makers differ"):

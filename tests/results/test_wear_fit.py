@@ -5,7 +5,7 @@ import pytest
 
 from exudyn_crawler.results.wear.inspections import read_inspections
 from exudyn_crawler.results.wear.laws import PowerLaw, TwoRates
-from exudyn_crawler.results.wear.life_fit import fit_by_duty, fit_life, wear_coefficient
+from exudyn_crawler.results.wear.life_fit import fit_by_run, fit_life, wear_coefficient
 from exudyn_crawler.results.wear.parts import limit_fraction, parts
 
 HEAD = "date,machine hours,propel hours,part,side,place,value in mm,links\n"
@@ -64,19 +64,35 @@ def test_two_rates_are_continuous_and_three_times_faster_below_the_case():
     assert law.percent(np.array(1.0)) == pytest.approx(100.0)
 
 
-def test_two_duties_are_told_apart_only_if_their_shares_vary():
+def test_two_runs_are_told_apart_only_if_their_shares_vary():
     straight = np.array([100.0, 200.0, 320.0, 380.0, 500.0])
     turning = np.array([10.0, 60.0, 70.0, 150.0, 160.0])
     hours = np.column_stack((straight, turning))
     noise = np.array([0.04, -0.03, 0.02, -0.04, 0.01])
     percent = PowerLaw(1.0).percent(straight / 1000.0 + turning / 250.0) + noise
-    mixed = fit_by_duty(hours, percent, PowerLaw(1.0), ("straight", "turning"))
+    mixed = fit_by_run(hours, percent, PowerLaw(1.0), ("straight", "turning"))
     alone = mixed.life([1.0, 0.0]), mixed.life([0.0, 1.0])
     assert [fit.life for fit in alone] == pytest.approx([1000.0, 250.0], rel=0.01)
     assert all(fit.low < life < fit.high for fit, life in zip(alone, (1000.0, 250.0), strict=True))
     constant = np.column_stack((straight, 0.1 * straight))
     with pytest.raises(ValueError, match="cannot be told apart: their shares of the hours hardly vary"):
-        fit_by_duty(constant, percent, PowerLaw(1.0), ("straight", "turning"))
+        fit_by_run(constant, percent, PowerLaw(1.0), ("straight", "turning"))
+
+
+def test_a_known_error_of_readings_gives_the_band_of_each_run():
+    """Wear of the power 1 is linear in the rates: their covariance is error^2 (H^T H)^-1 / 100^2."""
+    hours = np.array([[100.0, 10.0], [200.0, 60.0], [320.0, 70.0], [380.0, 150.0]])
+    rates = np.array([1.0 / 1000.0, 1.0 / 250.0])
+    percent = PowerLaw(1.0).percent(hours @ rates)
+    error = 2.0
+    mixed = fit_by_run(hours, percent, PowerLaw(1.0), ("straight", "turning"), error)
+    spread = 1.6449 * error / 100.0 * np.sqrt(np.diag(np.linalg.inv(hours.T @ hours)))
+    for shares, rate, half in zip(np.eye(2), rates, spread, strict=True):
+        life = mixed.life(shares)
+        assert life.life == pytest.approx(1.0 / rate, rel=1e-6)
+        assert life.low == pytest.approx(1.0 / (rate + half), rel=1e-3)
+        assert life.high == pytest.approx(1.0 / (rate - half) if rate > half else np.inf, rel=1e-3)
+        assert life.scatter == error
 
 
 def test_limits_are_a_default_only_where_makers_agree():

@@ -14,7 +14,7 @@ from exudyn_crawler.results.wear.life_fit import (
     CONFIDENCE,
     LifeFit,
     MixedFit,
-    fit_by_duty,
+    fit_by_run,
     fit_life,
     wear_coefficient,
 )
@@ -156,7 +156,7 @@ class WearForecast:
         """A row for each part and run with a coefficient of its own: life if all hours were of that run."""
         rows = []
         for part in self.parts:
-            runs = () if part.mixed is None else part.mixed.duties
+            runs = () if part.mixed is None else part.mixed.runs
             for number, run in enumerate(runs):
                 assert part.mixed is not None
                 fit = part.mixed.life(np.eye(len(runs))[number].tolist())
@@ -245,17 +245,17 @@ def _part_forecast(plan: WearPlan, inspections: Inspections, series: Series) -> 
     now = inspections.last.hours(basis) - begin
     if not np.sum(used * percent) > 0.0:
         return PartForecast(series, part, basis, used, percent, None, "no wear measured yet: no hours", now)
+    error = None
+    if part.reading_error is not None:
+        error = WORN_OUT * part.reading_error / abs(part.new - part.size_at_limit)
     if plan.by_run:
         if part.law is None:
             raise ValueError(f"parts: exponent of {series.part!r} must be a number with by_run, got 'fitted'")
         hours = series.hours_of_runs()
         with errors_at(series.name):
-            mixed = fit_by_duty(hours, percent, part.law, inspections.runs)
+            mixed = fit_by_run(hours, percent, part.law, inspections.runs, error)
         mix = hours[-1] / used[-1]
         return PartForecast(series, part, basis, used, percent, mixed.life(mix.tolist()), "", now, mixed)
-    error = None
-    if part.reading_error is not None:
-        error = WORN_OUT * part.reading_error / abs(part.new - part.size_at_limit)
     with errors_at(series.name):
         fit = fit_life(used, percent, part.law, error)
     return PartForecast(series, part, basis, used, percent, fit, "", now)

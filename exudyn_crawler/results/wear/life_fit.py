@@ -26,7 +26,7 @@ LIVES = 1e-3, 1e4
 TRIED = 150
 """Number of lives of the first search."""
 DISTINCT = 0.05
-"""Least ratio of singular values of the hours in different duties that tells their coefficients apart. Chosen
+"""Least ratio of singular values of the hours in different runs that tells their coefficients apart. Chosen
 here."""
 
 
@@ -145,21 +145,22 @@ def _crossing(function: Callable[[float], float], middle: float, level: float, s
 
 @dataclass(frozen=True)
 class MixedFit:
-    """Lives of a part in different duties, each as if it were alone."""
+    """Lives of a part in different runs of a duty, each as if it were alone."""
 
-    duties: tuple[str, ...]
+    runs: tuple[str, ...]
     law: WearLaw
     rates: np.ndarray
-    """Reciprocals of the lives, (duties,), 1/h."""
+    """Reciprocals of the lives, (runs,), 1/h."""
     covariance: np.ndarray
-    """(duties, duties), 1/h2."""
-    freedom: int
+    """(runs, runs), 1/h2."""
+    freedom: float
+    """Degrees of freedom of the scatter; infinite if the error of a reading is known."""
     readings: int
     scatter: float
-    """Percent worn."""
+    """Standard deviation of the readings about the law, or their known error, percent worn."""
 
     def life(self, shares: Sequence[float]) -> LifeFit:
-        """Return the life in a mix of the duties, by their shares of the hours."""
+        """Return the life in a mix of the runs, by their shares of the hours."""
         mix = np.array(shares, dtype=float)
         rate = float(mix @ self.rates)
         half = float(stats.t.ppf(0.5 + 0.5 * CONFIDENCE, self.freedom)) * math.sqrt(
@@ -169,14 +170,34 @@ class MixedFit:
         return LifeFit(self.law, 1.0 / rate, 1.0 / (rate + half), high, self.scatter, self.readings)
 
 
-def fit_by_duty(hours: np.ndarray, percent: np.ndarray, law: WearLaw, duties: Sequence[str]) -> MixedFit:
-    """Fit a coefficient for each duty to readings, from the hours in it: array (readings, duties).
+def fit_by_run(
+    hours: np.ndarray, percent: np.ndarray, law: WearLaw, runs: Sequence[str], error: float | None = None
+) -> MixedFit:
+    """Fit a coefficient for each run of a duty to readings.
 
-    Wear adds up by the used fractions of the life in each duty. Raises `ValueError` if there are not more
-    readings than duties, or if the shares of the duties hardly vary between inspections.
+    Wear adds up by the used fractions of the life in each run.
+
+    Parameters
+    ----------
+    hours : ndarray
+        Hours in each run since the part was new: array (readings, runs).
+    percent : ndarray
+        Percent worn: array (readings,).
+    law : WearLaw
+        Form of the law.
+    runs : sequence of str
+        Names of the runs.
+    error : float, optional
+        Known standard deviation of a reading, percent worn. Default: from the scatter of the readings.
+
+    Raises
+    ------
+    ValueError
+        If there are not more readings than runs, or if the shares of the runs hardly vary between
+        inspections.
     """
-    count = len(duties)
-    named = " and ".join(duties)
+    count = len(runs)
+    named = " and ".join(runs)
     if len(percent) <= count:
         raise ValueError(
             f"coefficients of {named} need more than {count} readings at different hours, got {len(percent)}"
@@ -186,7 +207,7 @@ def fit_by_duty(hours: np.ndarray, percent: np.ndarray, law: WearLaw, duties: Se
         shares = hours / hours.sum(axis=1)[:, None]
         spans = ", ".join(
             f"{name} {column.min():.3g} to {column.max():.3g}"
-            for name, column in zip(duties, shares.T, strict=True)
+            for name, column in zip(runs, shares.T, strict=True)
         )
         raise ValueError(
             f"coefficients of {named} cannot be told apart: their shares of the hours hardly vary between "
@@ -198,12 +219,18 @@ def fit_by_duty(hours: np.ndarray, percent: np.ndarray, law: WearLaw, duties: Se
 
     alike = fit_life(hours.sum(axis=1), percent, law)
     start = np.full(count, -math.log(alike.life))
-    logs, covariance = optimize.curve_fit(worn, np.arange(len(percent)), percent, start)
+    places = np.arange(len(percent))
+    known = None if error is None else np.full(len(percent), error)
+    logs, covariance = optimize.curve_fit(
+        worn, places, percent, start, sigma=known, absolute_sigma=known is not None
+    )
     rates = np.exp(logs)
-    freedom = len(percent) - count
-    scatter = math.sqrt(float(np.sum((percent - law.percent(hours @ rates)) ** 2)) / freedom)
+    freedom: float = math.inf
+    if error is None:
+        freedom = len(percent) - count
+        error = math.sqrt(float(np.sum((percent - law.percent(hours @ rates)) ** 2)) / freedom)
     spread = covariance * np.outer(rates, rates)
-    return MixedFit(tuple(duties), law, rates, spread, freedom, len(percent), scatter)
+    return MixedFit(tuple(runs), law, rates, spread, freedom, len(percent), error)
 
 
 def wear_coefficient(fit: LifeFit) -> float:
