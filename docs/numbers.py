@@ -179,11 +179,25 @@ def orders(results: Path) -> Iterator[tuple[str, float, str, str]]:
         yield f"{name}: difference", row[order.DIFFERENCE], "N", "python -m studies order"
 
 
+def mechanisms(results: Path) -> Iterator[tuple[str, float, str, str]]:
+    """Yield computed values of problems with known motions, and the known ones that are not zero."""
+    for row in pd.read_csv(results / "mechanisms" / "mechanisms.csv").itertuples():
+        name = f"{row.problem}: {row.quantity}"
+        yield name, row.found, row.unit, "python -m studies mechanisms"
+        if row.known != 0.0:
+            yield f"{name}, known", row.known, row.unit, "closed form"
+
+
 def renew(results: Path) -> None:
     """Write `comparison.md` and the tables whose runs are in a folder of folders of runs."""
     if (results / "variants").is_dir():
         _renew_studies(results)
-    sources = {"tutorial": ("mine", tutorial), "machines": ("library", machines), "order": ("order", orders)}
+    sources = {
+        "tutorial": ("mine", tutorial),
+        "machines": ("library", machines),
+        "order": ("order", orders),
+        "mechanisms": ("mechanisms", mechanisms),
+    }
     for name, (folder, rows) in sources.items():
         if (results / folder).is_dir():
             _write(name, rows(results))

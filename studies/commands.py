@@ -338,6 +338,14 @@ def verify() -> None:
     print_table(table, "Paper against computed")
 
 
+@command("python -m studies mechanisms")
+def mechanisms(out: Out = RESULTS / "mechanisms") -> None:
+    """Solve mechanisms of pins with known motions: pendulum, N-four-bar, a ring that spins."""
+    from studies.mechanisms import study
+
+    _show_tables(out, {"mechanisms": (study(out), "Known answers beside the computed ones", ())})
+
+
 @command("python -m studies order dragged closed")
 def order(
     motions: Annotated[list[str] | None, typer.Argument(help="names of motions; default: all")] = None,

@@ -31,7 +31,7 @@ from tests.test_release import read
 
 STUDIES = {
     *("kinematics", "forces", "stress", "uneven", "rollers", "closed", "grounds", "shovel-life"),
-    *("plate-sweep", "sliding-modes", "verify", "measurements", "library", "variants", "order"),
+    *("plate-sweep", "sliding-modes", "verify", "measurements", "library", "variants", "order", "mechanisms"),
 }
 COMMANDS = {
     *(
