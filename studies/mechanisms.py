@@ -121,7 +121,7 @@ def hinged(bodies: Sequence[Rigid], joints: Sequence[Joint], loops: bool = False
             holds=Held(first_row + 2, np.array(holds, dtype=np.int64).reshape(-1, 2)),
         ),
         multipliers=multipliers,
-        search=Search(0.0, 0.0, 0),
+        search=Search(0.0, 0.0, 0, guards=False),
         fronts=fronts,
         rows=FrontRows(
             np.ascontiguousarray(row_in[:, first]),

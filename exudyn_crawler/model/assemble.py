@@ -99,4 +99,5 @@ def search_of(case: Case) -> Search:
         least=0.15 if on_cells and not rolls else 0.0,
         slower=slower if on_cells else 0.0,
         ahead=3 if case.gear.loops else 0,
+        guards=case.gear.pin_play is not None,
     )

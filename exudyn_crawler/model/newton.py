@@ -105,6 +105,9 @@ def step(
     accelerations; rates and accelerations follow a change of the coordinates by the factors
     ``weights.velocity`` and ``weights.acceleration``. `multipliers` are those of the last step. `scratch`
     holds the last residual and the values of the fronts with the factored matrix.
+
+    Contacts of pins with play may open and close from iteration to iteration. With ``search.guards`` a change
+    by an old matrix that raises the residual is taken back, one by a new matrix is halved once.
     """
     out, values = scratch
     fronts = read_system(system).tables.fronts
@@ -112,6 +115,8 @@ def step(
     # a literal among them would compile the equations once more
     none = Weights(0.0, 0.0, 0.0, weights.secant, weights.level)
     change = np.empty_like(out)
+    state_before = np.empty_like(state)
+    multipliers_before = np.empty_like(multipliers)
     iterations = matrices = age = 0
     stage = FACTORED if limits.factored else DERIVED
     residual(system, state, multipliers, inputs, none if limits.factored else weights, out)
@@ -128,11 +133,25 @@ def step(
             age = 0
         change[:] = out
         elimination.solve(fronts, values, change)
+        if search.guards:
+            state_before[:] = state
+            multipliers_before[:] = multipliers
         subtract(system, change, weights, state, multipliers)
         iterations += 1
         age += 1
         residual(system, state, multipliers, inputs, none, out)
         norm = _norm(out)
+        if search.guards and not norm <= last:
+            state[:] = state_before
+            multipliers[:] = multipliers_before
+            if age > 1 or matrices == 0:
+                stage = STALE
+                continue
+            change *= 0.5
+            subtract(system, change, weights, state, multipliers)
+            iterations += 1
+            residual(system, state, multipliers, inputs, none, out)
+            norm = _norm(out)
         limit = limits.residual if matrices > 0 else CLOSER * limits.residual
         if norm <= limit:
             return Outcome(True, iterations, matrices, norm)

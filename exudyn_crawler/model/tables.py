@@ -31,11 +31,12 @@ class FrontRows(NamedTuple):
 
 
 class Search(NamedTuple):
-    """Conditions for a new matrix before the old one fails, by the old one's predicted convergence."""
+    """Conditions for a new matrix before the old one fails, and guards of changes."""
 
     least: float  # least share of a residual that it leaves
     slower: float  # what it leaves over what it left last; zero with the first for no such judgement
     ahead: int  # iterations that it may still take at its last rate, zero for any number
+    guards: bool  # True: no change by an old matrix raises the residual, and one by a new matrix is halved
 
 
 class Tables(NamedTuple):

@@ -12,7 +12,7 @@ from tests.model.both import compiled_matrix, residual_of
 
 pytestmark = pytest.mark.simulation
 
-RADIAL, AXIAL, STIFFNESS = 2e-3, 1e-3, 5e9
+RADIAL, AXIAL, STIFFNESS, EDGE = 2e-3, 1e-3, 5e9, 1e-5
 PLAY = {"radial": RADIAL, "axial": AXIAL, "stiffness": STIFFNESS, "damping": 1e6}
 
 
@@ -54,14 +54,22 @@ def test_no_force_within_the_play(link):
 
 
 def test_pressed_pin_has_the_penetration_of_its_force(link):
-    """Both pins bear half of a force; faces bear a side force."""
+    """Both pins bear half of a force; faces bear a side force. The edge adds half its depth."""
     force = 1e6
-    depth = force / (2.0 * STIFFNESS)
+    depth = force / (2.0 * STIFFNESS) + 0.5 * EDGE
     way = np.array([0.6, 0.0, -0.8])
     laws = link.laws((RADIAL + depth) * way)
     np.testing.assert_allclose(laws, [*force * way, 0.0, 0.0], rtol=1e-7, atol=1.0)
-    laws = link.laws((0.0, -AXIAL - force / STIFFNESS, 0.0))
+    laws = link.laws((0.0, -AXIAL - force / STIFFNESS - 0.5 * EDGE, 0.0))
     np.testing.assert_allclose(laws, [0.0, -force, 0.0, 0.0, 0.0], rtol=1e-9)
+
+
+@pytest.mark.parametrize("part", [1e-6, 0.5, 1.0 - 1e-9, 1.0 + 1e-9])
+def test_stiffness_of_a_contact_rises_linearly_at_its_edge(link, part):
+    """Force and stiffness do not jump at the surface, nor where both are full."""
+    depth = part * EDGE
+    force = -link.laws((0.0, -AXIAL - depth, 0.0))[1]
+    assert force == pytest.approx(0.5 * STIFFNESS * depth * part, rel=1e-6, abs=1e-9)
 
 
 def test_one_pin_takes_all_of_a_force_that_turns_the_link(link):
@@ -70,7 +78,7 @@ def test_one_pin_takes_all_of_a_force_that_turns_the_link(link):
     lifted, depth = 2e-4, 2e-4
     yaw = (lifted + depth) / (2.0 * half)
     laws = link.laws((RADIAL + 0.5 * (depth - lifted), 0.0, 0.0), angles=(0.0, 0.0, yaw))
-    assert laws[0] == pytest.approx(STIFFNESS * depth, rel=1e-3)
+    assert laws[0] == pytest.approx(STIFFNESS * (depth - 0.5 * EDGE), rel=1e-3)
     assert abs(laws[3]) == pytest.approx(half * laws[0], rel=1e-4)
 
 

@@ -186,8 +186,8 @@ class Tumbler(base.PH4100C, values=ph4100c.TUMBLER):
 class Play(Parameters):
     """Play of the pins of a chain in their bores.
 
-    A pin presses on its bore, and a lug on its neighbour's end face, by one law: a stiffness, and a damping
-    that rises with the penetration.
+    A pin presses on its bore, and a lug on its neighbour's end face, by one law: a stiffness and a damping
+    that rise with the penetration to their full values.
     """
 
     radial: base.Extent | None = quantity(
@@ -200,7 +200,7 @@ class Play(Parameters):
     stiffness: base.Stiffness = quantity("N/m", "stiffness of a pin in its bore", (1e8, 1e11))
     damping: base.Damping = quantity("N s/m", "greatest damping coefficient", (0.0, 1e8))
     damping_depth: base.Depth = quantity(
-        "m", "penetration at which the damping is full", (1e-7, 1e-3), default=1e-5
+        "m", "penetration at which stiffness and damping are full", (1e-7, 1e-3), default=1e-5
     )
 
 

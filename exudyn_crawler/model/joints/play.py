@@ -13,11 +13,10 @@ import numpy as np
 
 from exudyn_crawler.ground.compiled import inner
 from exudyn_crawler.ground.frames import Vector, along, basis, cross, dot, turned
-from exudyn_crawler.ground.laws import Impact
+from exudyn_crawler.ground.laws import Impact, step
 from exudyn_crawler.ground.packed import FloatArray, Floats1, Ints2
 from exudyn_crawler.ground.rotations import Attitude
 from exudyn_crawler.model.bodies import Bodies, attitude_of, read_body
-from exudyn_crawler.model.forces.impact import law_slopes
 from exudyn_crawler.model.joints.pin import ROWS, write_turned
 from exudyn_crawler.model.markers import NOTHING, End, Markers, axis_of, direction, end_of
 from exudyn_crawler.model.rows import JointRows, Motion
@@ -39,6 +38,25 @@ class Plays(NamedTuple):
     radial: float  # radius of a bore less that of its pin, m
     axial: float  # way to either side until the faces meet, m
     law: Impact  # of a contact, and of the faces
+
+
+@inner
+def contact_slopes(law: Impact, depth: float, rate: float) -> tuple[float, float, float]:
+    """Return the force (N) of a contact, and its derivatives by depth (N/m) and by its rate (N s/m).
+
+    The stiffness rises linearly and the damping with STEP to their full values at `law.damping_depth`, so
+    that neither jumps where bodies meet. The force is never negative.
+    """
+    if depth <= 0.0:
+        return 0.0, 0.0, 0.0
+    edge = law.damping_depth
+    part = min(depth / edge, 1.0)
+    faded = step(depth, 0.0, 0.0, edge, 1.0)
+    force = law.stiffness * (depth - (1.0 - 0.5 * part) * min(depth, edge)) + law.damping * rate * faded
+    if force <= 0.0:
+        return 0.0, 0.0, 0.0
+    by_depth = law.stiffness * part + law.damping * rate * 6.0 * part * (1.0 - part) / edge
+    return force, by_depth, law.damping * faded
 
 
 @inner
@@ -70,7 +88,7 @@ def _add_contact(
     x_t = rates[0] - arm * rates[3]
     z_t = rates[2] - arm * rates[4]
     nx, nz = x / offset, z / offset
-    force, stiffness, damping = law_slopes(plays.law, offset - plays.radial, nx * x_t + nz * z_t)
+    force, stiffness, damping = contact_slopes(plays.law, offset - plays.radial, nx * x_t + nz * z_t)
     weights = motion.weights
     outward = weights.position * stiffness + weights.velocity * damping
     around = weights.position * force / offset
@@ -98,7 +116,7 @@ def _add_faces(
 ) -> None:
     """Add the force of the end faces, and its weighted derivative."""
     sign = 1.0 if gap > 0.0 else -1.0
-    force, stiffness, damping = law_slopes(plays.law, sign * gap - plays.axial, sign * rate)
+    force, stiffness, damping = contact_slopes(plays.law, sign * gap - plays.axial, sign * rate)
     forces[1] += sign * force
     tangent[1, 1] += motion.weights.position * stiffness + motion.weights.velocity * damping
 
