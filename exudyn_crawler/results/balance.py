@@ -13,12 +13,13 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike
 
-from exudyn_crawler.case import Rolled, statics
+from exudyn_crawler.case import Case, Rolled, statics
 from exudyn_crawler.case.gear.arms import Arm
 from exudyn_crawler.case.gear.base import POSTS
 from exudyn_crawler.case.gear.closed import Closed
 from exudyn_crawler.case.gear.running_gear import Bogie, RunningGear
 from exudyn_crawler.case.parameters.base import inertia_tensor
+from exudyn_crawler.case.parameters.contact import PairContact
 from exudyn_crawler.case.parameters.terrain import Terrain
 from exudyn_crawler.case.parameters.track import FlexibleShoes
 from exudyn_crawler.ground.rotations import moments_on_angles, rotation_matrices
@@ -30,6 +31,8 @@ from exudyn_crawler.results.loads.locations import PINS, PinsOfShoe, Point
 
 FREEDOMS = ("travel", "sway", "heave", "roll", "pitch", "yaw")
 """Names of a side frame's balances in the order of its coordinates."""
+BESIDE = 0.6
+"""Distance along the frame from an end wheel's axis up to which a link or shoe counts as on it, pitches."""
 
 
 class _Motion:
@@ -349,8 +352,9 @@ def energies(history: History) -> xr.Dataset:
     flexible shoes, `pin_springs` that of rubber bushes between rigid shoes. Raises `ValueError` for flexible
     shoes of an open track, or on cells.
     """
-    _only_known(history)
     case = history.case
+    if case.flexible is not None:
+        _refuse_lacking(case)
     gravity = history.case.gravity_vector()
     kinetic, height = (energy.sum(axis=1) for energy in _shoes(history).energies(gravity))
     stored = {"kinetic": kinetic, "gravitational": height}
@@ -408,8 +412,8 @@ def powers(history: History) -> xr.Dataset:
     (friction of pins, and what rubber bushes lose) take power if they exist. Raises `ValueError` as in
     `energies`, or for contact by spheres: its history does not have the power of each contact.
     """
-    _only_known(history)
     case = history.case
+    _refuse_lacking(case)
     shoes = _shoes(history)
     supplied = shoes.powers(acting.actions(history))
     named = {"drive": supplied[Kind.DRIVE], "machine_load": supplied[Kind.LOAD]}
@@ -465,11 +469,7 @@ def _pin_losses(history: History, on_frames: np.ndarray) -> np.ndarray:
 def _unit_powers(history: History, shoes: _Motion) -> dict[str, np.ndarray]:
     """Return the powers (times,) that units and the contact with them take."""
     terrain = history.case.part(Terrain)
-    law = history.case.contact
-    if law.model != "pair":
-        raise ValueError(
-            "powers need a history of contact.model 'pair' or 'cells', whose contacts have a power"
-        )
+    law = history.case.part(PairContact)
     depth = history.penetration.values
     rate = history.penetration_rate.values
     normal = np.linalg.norm(history.normal_force.values, axis=-1)
@@ -513,13 +513,19 @@ def _rolled_powers(
     }
 
 
-def _closed_powers(history: History, shoes: _Motion) -> dict[str, np.ndarray]:
-    """Return the powers (times,) at the gear of closed tracks."""
+class _GearPowers(NamedTuple):
+    """Powers that wheels and teeth of closed tracks take, stored energy included, by shoe, W."""
+
+    wheel: np.ndarray  # (times, shoes)
+    tooth: np.ndarray  # (times, shoes)
+    carried: dict[str, np.ndarray]  # (times,), by kind of wheel: given back where wheels move in the frame
+    modal_damping: np.ndarray | None  # (times,), of flexible shoes
+
+
+def _gear_powers(history: History, shoes: _Motion, frame: _Motion) -> _GearPowers:
     data = history.dataset
-    time = history.time.values
     case = history.case
-    frame = _side_frame(history)
-    tumblers = list(_others(history, frame))
+    tumblers = list(_of_chains(history, frame))
     count = case.gear.loop(case.track).shoe_count
     taken = {}
     wheels = ([frame] * len(tumblers), "wheel_load")
@@ -527,25 +533,70 @@ def _closed_powers(history: History, shoes: _Motion) -> dict[str, np.ndarray]:
     for kind, (carriers, stored) in ((Kind.WHEEL, wheels), (Kind.TOOTH, teeth)):
         force = data[stored].values
         moment = data[f"{kind}_moment"].values
-        lost = -np.gradient(data[f"{kind}_energy"].values, time)
+        taken[kind.value] = power = np.zeros(force.shape[:2])
         for shoe in range(data.sizes["shoe"]):
             gear = carriers[shoe // count]
             slip = shoes.velocity[:, shoe] - gear.velocity_at(shoes.origin[:, shoe])
             spin = shoes.omega[:, shoe] - gear.omega
-            lost -= np.sum(force[:, shoe] * slip + moment[:, shoe] * spin, axis=-1)
-        taken[f"{kind}_losses"] = lost
-    if case.flexible is not None:
-        taken["modal_damping"] = _modal_powers(history, taken)
-    if (spring := case.part(Closed).idler.slide) is not None:
-        rate = _rate(_of_tracks(history, "take_up").T, time)
-        taken["tensioner_damping"] = spring.stiffness * spring.relaxation * np.sum(rate**2, axis=1)
+            power[:, shoe] = -np.sum(force[:, shoe] * slip + moment[:, shoe] * spin, axis=-1)
+    damped = None if case.flexible is None else _modal_powers(history, taken)
+    carried = {}
+    if case.part(Closed).idler.slide is not None:
+        rate = _rate(_of_tracks(history, "take_up").T, history.time.values)
         idlers = [label.kind == "idler" for label in case.gear.wheel_labels]
         pushed = data.wheel_force.values[:, idlers] @ frame.axes[..., :1]
-        taken["wheel_losses"] -= np.sum(pushed[..., 0] * rate, axis=1)
+        carried["idler"] = np.sum(pushed[..., 0] * rate, axis=1)
     for swung in _swung(history, frame):
         for wheel, axle in swung.axles.items():
             moment = _moment_on(history, shoes, swung.motion, wheel, axle)
-            taken["wheel_losses"] -= np.sum(moment * frame.axes[..., 1], axis=1) * swung.rate
+            turned = np.sum(moment * frame.axes[..., 1], axis=1) * swung.rate
+            carried["roller"] = carried.get("roller", 0.0) + turned
+    return _GearPowers(taken[Kind.WHEEL.value], taken[Kind.TOOTH.value], carried, damped)
+
+
+def wheel_powers(history: History) -> xr.Dataset:
+    """Return the powers (W, each (time,)) that wheels of closed tracks take: `roller`, `idler`, `upper_run`.
+
+    The upper run lies on carriers, slides or road wheels. The energy stored in the contacts is included:
+    together they are `wheel_losses` of `powers` and the rate of `treads` of `energies`. A shoe's wheel is the
+    one of its place: the idler beyond the idler's axis less `BESIDE` pitches, else that of its run.
+    """
+    case = history.case
+    closed = case.part(Closed)
+    shoes, frame = _shoes(history), _side_frame(history)
+    found = _gear_powers(history, shoes, frame)
+    from_frame = np.einsum("tsa,tab->tsb", shoes.origin - frame.origin[:, None], frame.axes)
+    front, high = closed.idler.place
+    take_up = _of_tracks(history, "take_up").T
+    ahead = np.repeat(take_up, case.track.shoe_count // len(take_up.T), axis=1) + front
+    on_idler = from_frame[..., 0] > ahead - BESIDE * case.track.pitch
+    above = ~on_idler & (from_frame[..., 2] > 0.5 * (closed.tumbler.place[1] + high))
+    places = {"roller": ~on_idler & ~above, "idler": on_idler, "upper_run": above}
+    by_kind = {
+        name: np.where(place, found.wheel, 0.0).sum(axis=1) - found.carried.get(name, 0.0)
+        for name, place in places.items()
+    }
+    return _over_time(history, "W", **by_kind)
+
+
+def _closed_powers(history: History, shoes: _Motion) -> dict[str, np.ndarray]:
+    """Return the powers (times,) at the gear of closed tracks."""
+    data = history.dataset
+    time = history.time.values
+    case = history.case
+    frame = _side_frame(history)
+    found = _gear_powers(history, shoes, frame)
+    taken = {
+        "wheel_losses": found.wheel.sum(axis=1)
+        - sum(found.carried.values())
+        - np.gradient(data.wheel_energy.values, time),
+        "tooth_losses": found.tooth.sum(axis=1) - np.gradient(data.tooth_energy.values, time),
+    }
+    if found.modal_damping is not None:
+        taken["modal_damping"] = found.modal_damping
+    if (slide := case.part(Closed).idler.slide) is not None:
+        rate = _rate(_of_tracks(history, "take_up").T, time)
+        taken["tensioner_damping"] = slide.stiffness * slide.relaxation * np.sum(rate**2, axis=1)
     if history.has("drawbar_pull"):
         taken["drawbar"] = -frame.powers([_drawbar(history)])[Kind.PULL]
     drive = np.sum(_of_tracks(history, "drive_moment") * _of_tracks(history, "tumbler_speed"), axis=0)
@@ -581,7 +632,10 @@ def _moment_on(
 
 
 def _modal_powers(history: History, taken: dict[str, np.ndarray]) -> np.ndarray:
-    """Return the power of modal damping (times,), W; subtract bending from the losses of wheels and teeth."""
+    """Return the power of modal damping (times,), W; subtract bending from what wheels and teeth take.
+
+    `taken` has the powers of each shoe by kind of gear: (times, shoes).
+    """
     flexible = history.case.part(FlexibleShoes)
     units = unit_loads(history.case)
     rates = 4.0 * np.pi * history.frequency.values * flexible.damping.value(history.frequency.values)
@@ -590,7 +644,7 @@ def _modal_powers(history: History, taken: dict[str, np.ndarray]) -> np.ndarray:
         for kind, loads in loads_by_kind(history, shoe).items():
             if kind.gear is not None:
                 on_modes = loads @ units.work @ units.integrated.inside
-                taken[f"{kind.gear}_losses"] -= np.sum(on_modes * velocity, axis=1)
+                taken[kind.gear][:, shoe - 1] -= np.sum(on_modes * velocity, axis=1)
     damped: np.ndarray = np.sum(rates * history.modal_velocity.values**2, axis=(1, 2))
     return damped
 
@@ -697,16 +751,20 @@ def _drawbar(history: History) -> acting.Action:
     return acting.Action(Kind.PULL, 0, Point.DRAWBAR, point, force, zero)
 
 
-def _only_known(history: History) -> None:
-    case = history.case
+def lacking(case: Case) -> str | None:
+    """Return what the history of a case lacks for its powers; None if it has all."""
     if case.flexible is not None and (case.contact.model == "cells" or not case.gear.loops):
-        raise ValueError(
-            "an open track, or one on cells, must have rigid shoes: the energy balance leaves out their modes"
-        )
+        return "rigid shoes, since its history leaves out the work of the ground or of pins on their modes"
     if case.flexible is not None and case.track.pin.kind == "rubber":
-        raise ValueError(
-            "rubber bushes must be between rigid shoes: the balance leaves out modes in their twist"
-        )
+        return "rigid shoes between rubber bushes, since their modes twist the bushes, too"
+    if case.contact.model not in ("pair", "cells"):
+        return "contact.model 'pair' or 'cells', whose contacts have a power"
+    return None
+
+
+def _refuse_lacking(case: Case) -> None:
+    if (what := lacking(case)) is not None:
+        raise ValueError(f"the energy of {case.name!r} needs {what}")
 
 
 def _times(matrices: np.ndarray, vectors: np.ndarray) -> np.ndarray:

@@ -14,6 +14,7 @@ import xarray as xr
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
+from exudyn_crawler.results import drive_work
 from exudyn_crawler.results.checks import roller_path
 from exudyn_crawler.results.history import History, RunPhase, common_phases, summary
 from exudyn_crawler.results.history.catalogue import QUANTITIES, Quantity, for_reading, link_name, select
@@ -59,6 +60,7 @@ OF_FLEXIBLE_SHOES = ("displacement", "velocity", "angular velocity", "contact fo
 OF_PINS = {"revolute joint reaction": "pin force", "revolute joint torque": "pin torque"}
 """Figures of the pins, one for each side."""
 ROLLER_PATH = "roller_path"  # name of its table and its figure
+DRIVE_WORK = "drive_work"  # the same
 MODES_DRAWN = 6  # lowest modal coordinates in the figure
 TURNS = {"x": "roll", "y": "pitch", "z": "yaw"}  # components of angles for reading
 
@@ -367,6 +369,23 @@ def roller_path_figure(table: pd.DataFrame, name: str) -> Figure:
                 ax.axhline(limit / style.MEGA, ls=dash, lw=0.7, color=f"C{number + 2}", label=label)
         ax.set(xlabel="x in the shoe in m; squares: a disc on the rail's very end", ylabel="pressure in MPa")
         ax.set_ylim(bottom=0.0)
+        figure.legend(loc="outside right upper")
+    return figure
+
+
+def drive_work_figure(table: pd.DataFrame, name: str) -> Figure:
+    """Draw the mean power that each place takes after the start; `table` is that of `drive_work`."""
+    taken = table[~table["where"].isin([drive_work.DRIVE, drive_work.LOAD])][::-1]
+    given = float(table.loc[table["where"] == drive_work.DRIVE, drive_work.POWER].iloc[0])
+    title = f"{name}: where the drive's power goes after the start"
+    with style.titled_figure(title, PANEL_WIDTH, 0.4 * PANEL_WIDTH) as figure:
+        ax = figure.subplots()
+        ax.barh(taken["where"], taken[drive_work.POWER])
+        for row, power in enumerate(taken[drive_work.POWER]):
+            ax.text(max(power, 0.0), row, f" {power:.2f} kW, {100.0 * power / given:.1f} %", va="center")
+        ax.axvline(given, color="black", lw=0.7, ls="--", label=f"drive, {given:.3g} kW")
+        ax.margins(x=0.1)
+        ax.set(xlabel="mean power in kW")
         figure.legend(loc="outside right upper")
     return figure
 

@@ -13,6 +13,7 @@ from exudyn_crawler import files
 from exudyn_crawler.case import CellTerrain
 from exudyn_crawler.machines import CaseFile, Outputs
 from exudyn_crawler.machines.datasheet.ledger import ORIGINS_FILE, ledger_of
+from exudyn_crawler.results import drive_work
 from exudyn_crawler.results.checks import roller_path
 from exudyn_crawler.results.history import History, catalogue, ground_map, summary
 from exudyn_crawler.results.stress import hot_spots, recovery
@@ -33,7 +34,7 @@ SERIES, PARTS = "track.pvd", "track_parts"
 
 
 def write_tables(history: History, stresses: Stresses, folder: Path, outputs: Outputs) -> None:
-    """Write the tables of a run: extremes, loads by phase, roller path, highest stresses, hot spots."""
+    """Write the tables of a run: extremes, loads, roller path, work of the drive, stresses."""
     by_name = {"extremes": summary.extremes(history), "loads": summary.load_table(history)}
     if stresses is not None:
         data = stresses.dataset
@@ -43,6 +44,8 @@ def write_tables(history: History, stresses: Stresses, folder: Path, outputs: Ou
         by_name |= {f"hot_spots_shoe_{k}": hot_spots.hot_spot_table(rows, data) for k, rows in spots.items()}
     if roller_path.treads_press(history):
         by_name[figures.ROLLER_PATH] = roller_path.roller_path(history)
+    if drive_work.has_works(history):
+        by_name[figures.DRIVE_WORK] = drive_work.drive_work(history)
     for name, table in by_name.items():
         tables.write_table(table, folder / f"{name}.csv", overwrite=True)
 
@@ -91,6 +94,8 @@ def write_figures(history: History, stresses: Stresses, folder: Path, outputs: O
         drawn |= {f"flexible {name}": figure for name, figure in of_stress.items()}
     if (path := folder / f"{figures.ROLLER_PATH}.csv").is_file():
         drawn[figures.ROLLER_PATH] = figures.roller_path_figure(pd.read_csv(path), history.case.name)
+    if (path := folder / f"{figures.DRIVE_WORK}.csv").is_file():
+        drawn[figures.DRIVE_WORK] = figures.drive_work_figure(pd.read_csv(path), history.case.name)
     drawn |= figures.run_figures(thinned, outputs.drawn_shoes(history.case.track.shoe_count), series)
     for name in [*drawn]:
         file = f"{name.replace(' ', '_')}.{outputs.figure_format}"

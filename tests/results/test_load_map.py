@@ -124,7 +124,7 @@ def test_flexible_shoes_obey_newton_with_their_own_mass(history):
 
 def test_energies_of_flexible_shoes_are_refused(history):
     for function in (energies, powers):
-        with pytest.raises(ValueError, match="must have rigid shoes"):
+        with pytest.raises(ValueError, match="needs rigid shoes"):
             function(history)
 
 

@@ -23,6 +23,7 @@ from scipy.spatial import KDTree
 from exudyn_crawler.case import SIDES, Case
 from exudyn_crawler.case.gear.closed import Closed
 from exudyn_crawler.files import blocks
+from exudyn_crawler.results.balance import BESIDE
 from exudyn_crawler.results.history import catalogue
 from exudyn_crawler.results.history.history import History
 from exudyn_crawler.results.wear import closed_form, sweeps
@@ -30,8 +31,6 @@ from exudyn_crawler.results.wear import closed_form, sweeps
 PAIRS = ("pin", "bush", "rail", "grouser, load times slip", "grouser, friction work")
 """Pairs with a work for each link or shoe."""
 REGIONS = ("lower run", "tumbler", "upper run", "idler")
-BESIDE = 0.6
-"""Distance along the frame from a wheel's axis up to which a link counts as on it, pitches."""
 NEAR = 0.2
 """Distance of a shoe from the idler's rim up to which its load counts as the idler's, pitches."""
 THRESHOLDS = (0.0, 5.0, 10.0, 20.0)

@@ -94,6 +94,7 @@ def report_page(folder: Path, loaded: Mapping[Path, History] | None = None) -> s
         Section("histories", "Time histories", part("histories", thinned) if histories else Markup()),
         Section("track", "Track in motion", part("track", rolled, closed) if histories else Markup()),
         Section("ground", "Ground", _ground(histories)),
+        Section("drive-work", "Where the drive's work goes", _drive_works(homes)),
         Section("roller-path", "Roller path", _roller_paths(homes)),
         Section("hot-spots", "Hot spots", _hot_spots(stressed)),
         Section("shoes", "Flexible shoes in 3D", part("shoes") if "shoe" in scenes else Markup()),
@@ -144,6 +145,17 @@ def _roller_paths(homes: Mapping[str, Path]) -> Markup:
     contacts = {name: runs.contents(path, pd.read_csv) for name, path in paths.items() if path.is_file()}
     drawn = {name: figures.roller_path_figure(contact, name) for name, contact in contacts.items()}
     return together(*(page.figure_picture(f"roller path, {name}", figure) for name, figure in drawn.items()))
+
+
+def _drive_works(homes: Mapping[str, Path]) -> Markup:
+    """Return tables and figures of where the work of drives goes, for runs that have the table."""
+    parts = []
+    for name, home in homes.items():
+        if (path := home / f"{figures.DRIVE_WORK}.csv").is_file():
+            table = runs.contents(path, pd.read_csv)
+            picture = page.figure_picture(f"drive, {name}", figures.drive_work_figure(table, name))
+            parts += [picture, part("folded", f"Table, {name}", page.table(table))]
+    return together(*parts)
 
 
 def provenance(folder: Path, histories: Mapping[str, History]) -> list[str]:
