@@ -77,7 +77,7 @@ def write_calculix(
         File to write (`.inp`).
     body : ElasticBody
     frequencies : int, optional
-        Number of free-free modes to compute, the rigid ones included.
+        Number of free-free modes to compute, the rigid ones included; the result has their shapes.
     forces : array (n, 3), optional
         Nodal forces in N of a static step, in place of frequencies.
     fixed : int array, optional
@@ -92,7 +92,7 @@ def write_calculix(
         raise ValueError("frequencies, or both forces and fixed, must be given, got both or neither")
     lines = [*_mesh_lines(body.mesh.nodes, body.mesh), *_material_lines(body.material), "*STEP"]
     if frequencies is not None:
-        lines += ["*FREQUENCY", f"{frequencies}"]
+        lines += ["*FREQUENCY", f"{frequencies}", "*NODE FILE", "U"]
     elif forces is not None:
         lines += ["*STATIC", *_held_lines(np.asarray(fixed))]
         lines += ["*CLOAD", *_load_lines(forces), "*NODE PRINT, NSET=ALL", "U", "*NODE FILE", "S"]

@@ -1,7 +1,8 @@
-"""Make `calculix_reference.json` again: `python tests/fem/calculix_reference.py` (needs ccx).
+"""Make the references again: `python -m tests.fem.calculix_reference` (needs ccx).
 
-The decks come from `fem.write_calculix` for the coarse shoe: its free-free frequencies, and its stresses
-under 1.3 MN on each rear bore and under a roller at a station of the left rail, balanced by inertia. CalculiX
+The decks come from `fem.write_calculix`. For the coarse shoe `calculix_reference.json` has its stresses under
+1.3 MN on each rear bore and under a roller at a station of the left rail, balanced by inertia.
+`calculix_modes.json` has frequencies and shapes of free-free modes of that shoe and of a bracket. CalculiX
 2.20 made the numbers.
 """
 
@@ -12,11 +13,18 @@ import tempfile
 from pathlib import Path
 
 import numpy as np
+from scipy.sparse import sparray
 
 import fem
 import meshes
+from tests.fem.bodies import box_mesh, tube
 
 REFERENCE = Path(__file__).with_name("calculix_reference.json")
+MODES = Path(__file__).with_name("calculix_modes.json")
+RIGID, ELASTIC = 6, 24
+"""Numbers of modes."""
+SHAPE_SAMPLES = 60
+"""Number of nodes whose shapes are kept."""
 PULL = 1.3e6
 ROLLER = (0.03e6, 0.0, -0.5e6)
 """N, of one tread."""
@@ -48,6 +56,38 @@ def sample_nodes(mesh: fem.Mesh) -> np.ndarray:
     return corners[:: max(1, len(corners) // SAMPLES)]
 
 
+def bracket() -> fem.Mesh:
+    """Quarter of a ring of 0.5 m, 40 mm thick, whose width grows from 0.2 to 0.3 m."""
+    bend = tube(0.46, 0.5, np.pi / 2)
+    return box_mesh((2, 20, 6), (1.0, 1.0, 0.2), lambda p: bend(p) * (1.0, 1.0, 0.0) + wide(p))
+
+
+def wide(p: np.ndarray) -> np.ndarray:
+    """Places along the width of the bracket."""
+    return np.outer(p[:, 2] * (1.0 + 0.5 * p[:, 1]), (0.0, 0.0, 1.0))
+
+
+BODIES = {"shoe": lambda: meshes.shoe_mesh("coarse"), "bracket": bracket}
+"""Meshes of bodies whose modes are compared."""
+
+
+def shape_nodes(mesh: fem.Mesh) -> np.ndarray:
+    """Corner nodes whose shapes are kept, drawn from all."""
+    corners = np.unique(mesh.elements[:, :4])
+    return np.sort(np.random.default_rng(0).choice(corners, SHAPE_SAMPLES, replace=False))
+
+
+def modal_assurance(ours: np.ndarray, theirs: np.ndarray, mass: sparray | None = None) -> np.ndarray:
+    """Modal assurance criterion of shapes (n, ours) and (n, theirs), 1 for shapes that are multiples.
+
+    With a mass matrix (n, n) different modes of a body have 0 (Allemang, Sound and Vibration 37, 2003).
+    """
+    heavy = theirs if mass is None else mass @ theirs
+    heavy_ours = ours if mass is None else mass @ ours
+    own = (ours * heavy_ours).sum(axis=0)[:, None] * (theirs * heavy).sum(axis=0)
+    return (ours.T @ heavy) ** 2 / own
+
+
 def run(folder: Path, job: str) -> None:
     """Run CalculiX on a deck."""
     done = subprocess.run(["ccx", job], cwd=folder, capture_output=True, text=True, check=False)
@@ -72,6 +112,35 @@ def stresses_of(frd: str) -> dict[int, list[float]]:
     }
 
 
+def shapes_of(frd: str) -> np.ndarray:
+    """Displacements (modes, n, 3) of all modes."""
+    blocks = [block.split("\n -3")[0] for block in frd.split(" -4  DISP")[1:]]
+    lines = [[line for line in block.splitlines() if line.startswith(" -1")] for block in blocks]
+    return np.array(
+        [[[float(line[13 + 12 * k : 25 + 12 * k]) for k in range(3)] for line in block] for block in lines]
+    )
+
+
+def modes_of(folder: Path, name: str) -> dict[str, object]:
+    """Frequencies (Hz), and shapes at some nodes, of a body's elastic modes; how far all nodes' agree."""
+    body = fem.ElasticBody(BODIES[name](), meshes.STEEL)
+    fem.write_calculix(folder / f"{name}.inp", body, frequencies=RIGID + ELASTIC)
+    run(folder, name)
+    shapes = shapes_of((folder / f"{name}.frd").read_text())[RIGID:]
+    _, ours = body.free_modes(RIGID + ELASTIC)
+    mac = modal_assurance(ours[:, RIGID:], shapes.reshape(ELASTIC, -1).T, body.mass_matrix)
+    nodes = shape_nodes(body.mesh)
+    return {
+        "frequencies": frequencies_of((folder / f"{name}.dat").read_text())[RIGID:],
+        "nodes": nodes.tolist(),
+        "shapes": [
+            [float(f"{value:.4g}") for value in mode] for mode in shapes[:, nodes].reshape(ELASTIC, -1)
+        ],
+        "least diagonal of all nodes": float(mac.diagonal().min()),
+        "greatest beside it of all nodes": float((mac - np.diag(mac.diagonal())).max()),
+    }
+
+
 def static_stresses(folder: Path, job: str, body: fem.ElasticBody, forces: np.ndarray) -> list[list[float]]:
     """Nodal stresses in Pa of the sampled nodes under nodal forces (n, 3) in balance."""
     fem.write_calculix(folder / f"{job}.inp", body, forces=forces, fixed=body.statically_determinate)
@@ -86,12 +155,11 @@ def main() -> None:
     body = fem.ElasticBody(mesh, meshes.STEEL)
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        fem.write_calculix(folder / "modes.inp", body, frequencies=26)
-        run(folder, "modes")
-        frequencies = frequencies_of((folder / "modes.dat").read_text())
+        modes = {name: modes_of(folder, name) for name in BODIES}
         pull = static_stresses(folder, "pull", body, pull_forces(body))
         roller = static_stresses(folder, "roller", body, roller_forces(body))
-    numbers = {"mesh": mesh.digest, "frequencies": frequencies, "nodes": sample_nodes(mesh).tolist()}
+    numbers = {"mesh": mesh.digest, "nodes": sample_nodes(mesh).tolist()}
+    MODES.write_text(json.dumps({"program": "CalculiX 2.20"} | modes) + "\n")
     REFERENCE.write_text(json.dumps(numbers | {"stress": pull, "roller stress": roller}) + "\n")
 
 
