@@ -62,11 +62,12 @@ class Joint(NamedTuple):
 
 
 class Swing(NamedTuple):
-    """Motion of a mechanism by steps: n of them, b bodies, p pins."""
+    """Motion of a mechanism by steps: n of them, b bodies with m modal coordinates, p pins."""
 
     q: np.ndarray  # (n + 1, b, 6): m and rad
     q_t: np.ndarray  # (n + 1, b, 6): m/s and rad/s
     forces: np.ndarray  # (n + 1, p, ROWS): multipliers of the pins, N and N m
+    modes: np.ndarray  # (n + 1, m): modal coordinates of flexible bodies
 
 
 def hinged(bodies: Sequence[Rigid], joints: Sequence[Joint], loops: bool = False) -> Tables:
@@ -135,7 +136,8 @@ def hinged(bodies: Sequence[Rigid], joints: Sequence[Joint], loops: bool = False
 def integrated(tables: Tables, start: ArrayLike, gravity: Three, h: float, steps: int) -> Swing:
     """Integrate a mechanism by steps of `h` (s), as the runs of tracks are, without Exudyn.
 
-    `start` are coordinates, rates and accelerations (3, bodies, 6). Raises `RuntimeError` if a step fails.
+    `start` are coordinates, rates and accelerations (3, coordinates) or (3, bodies, 6), bodies before modes.
+    Raises `RuntimeError` if a step fails.
     """
     state = np.reshape(np.array(start, dtype=float), (3, -1)).copy()
     multipliers = np.zeros(tables.multipliers)
@@ -163,7 +165,9 @@ def integrated(tables: Tables, start: ArrayLike, gravity: Three, h: float, steps
         algorithmic = algorithmic + (1.0 - alpha_f) / (1.0 - alpha_m) * state[2]
         found.append((*state[:2].copy(), multipliers[:pins].copy()))
     q, q_t, forces = map(np.array, zip(*found, strict=True))
-    return Swing(*(part.reshape(steps + 1, -1, width) for part, width in ((q, 6), (q_t, 6), (forces, ROWS))))
+    count = 6 * len(tables.bodies.mass)
+    parts = (q[:, :count], 6), (q_t[:, :count], 6), (forces, ROWS)
+    return Swing(*(part.reshape(steps + 1, -1, width) for part, width in parts), q[:, count:])
 
 
 def energy(bodies: Sequence[Rigid], swing: Swing) -> np.ndarray:

@@ -27,7 +27,7 @@ def test_a_free_top_precesses_as_in_the_closed_form_through_turns_of_pitch():
     turning = angles, rates, rotations.angle_accelerations(angles, rates, alpha)
     start = [[*STILL, *one] for one in turning]
     h, steps = 1e-3, 4000
-    q, q_t, _ = integrated(hinged([Rigid(4500.0, (across, along, across))], []), start, STILL, h, steps)
+    q, q_t, *_ = integrated(hinged([Rigid(4500.0, (across, along, across))], []), start, STILL, h, steps)
     time = h * np.arange(steps + 1)
     # the axis turns about the momentum, the body about its axis besides
     precession = Rotation.from_rotvec(time[:, None] * momentum / across)
@@ -52,7 +52,7 @@ def test_a_hinged_body_swings_all_round_in_the_time_of_the_pendulum():
     start[1, 1, [0, 4]] = -arm * fastest, fastest
     bodies = [BASE, Rigid(mass, (300.0, inertia, 700.0))]
     tables = hinged(bodies, [Joint(0, 1, STILL, (0.0, 0.0, arm))])
-    q, q_t, force = integrated(tables, start, (0.0, 0.0, -g), time / steps, steps)
+    q, q_t, force, _ = integrated(tables, start, (0.0, 0.0, -g), time / steps, steps)
     pitch = q[:, 1, 4]
     assert pitch[-1] == pytest.approx(2.0 * np.pi, rel=1e-4)
     assert q_t[-1, 1, 4] == pytest.approx(fastest, rel=1e-4)
@@ -72,7 +72,7 @@ def test_a_straight_chain_goes_round_as_one():
     joints = [Joint(0, 1, STILL, rear), Joint(1, 2, front, rear), Joint(2, 3, front, rear)]
     tables = hinged([BASE, *[Rigid(mass, (500.0, 200.0, 600.0))] * 3], joints)
     turn, steps = 2.0 * np.pi / omega, 2000
-    q, _, force = integrated(tables, start, STILL, turn / steps, steps)
+    q, _, force, _ = integrated(tables, start, STILL, turn / steps, steps)
     np.testing.assert_allclose(q[-1, 1:, 4], 2.0 * np.pi, rtol=1e-4)
     reach = np.hypot(q[:, 1:, 0], q[:, 1:, 2])
     np.testing.assert_allclose(reach, np.broadcast_to(middle, reach.shape), atol=1e-6)
