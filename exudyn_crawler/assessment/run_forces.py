@@ -10,6 +10,7 @@ from exudyn_crawler.assessment.states import FORMULA, CaseLoads
 from exudyn_crawler.case import Heights
 from exudyn_crawler.results.history import History
 from exudyn_crawler.results.history.catalogue import rotation_matrices
+from exudyn_crawler.results.history.side_frame import pins_in_frame
 
 LEAST_PART = 0.05
 """Contact force above which a shoe counts as grounded, fraction of the largest one."""
@@ -152,11 +153,7 @@ def _at_tumblers(history: History, late: np.ndarray) -> np.ndarray:
     case = history.case
     gear: Any = case.gear
     tension = history.link_tension.transpose("time", "joint").values[late]
-    axes = history.quantity("axes").transpose("time", "shoe", "axis", "body_axis").values[late]
-    ahead = axes @ np.array([case.track.pin_ahead, 0.0, case.track.pin_height])
-    pins = history.position.transpose("time", "shoe", "axis").values[late] + ahead
-    frame = history.side_frame_position.transpose("time", "axis").values[late]
-    x, z = (pins[..., c] - frame[:, None, c] for c in (0, 2))
+    x, _, z = np.moveaxis(pins_in_frame(case, history.dataset.isel(time=late)), -1, 0)
     radius = gear.tumbler.radius(case.track.pitch)
     means = np.zeros((case.gear.tracks, 2))
     each = tension.shape[1] // case.gear.tracks

@@ -3,11 +3,17 @@
 import numpy as np
 import pandas as pd
 import pytest
+import xarray as xr
 
-from exudyn_crawler import simulate
+from exudyn_crawler import History, simulate
+from exudyn_crawler.assessment.run_forces import forces_of_run
 from exudyn_crawler.machines.datasheet.derive import derived
 from exudyn_crawler.machines.datasheet.sheet import Datasheet
+from exudyn_crawler.results.history.catalogue import rotation_matrices
 from exudyn_crawler.results.history.machine import machine_answers, together
+from exudyn_crawler.results.history.side_frame import pins_in_frame
+from exudyn_crawler.results.history.tension import hanging_chains
+from exudyn_crawler.results.wear.work import run_work
 
 SHEET = Datasheet(
     operating_weight=35371.0,
@@ -46,6 +52,59 @@ def test_answers_are_those_of_the_history_and_of_statics(history):
     right = late.tumbler_speed.transpose("time", ...).values[:, 0]
     assert min(right) <= power / torque <= max(right)
     assert values["pressure below loaded shoes, mean"] <= values["pressure below a shoe, greatest"]
+
+
+def yawed(history, angle):
+    """History turned about the vertical, on the level and with ground that looks alike from all sides."""
+    c, s = np.cos(angle), np.sin(angle)
+    turn = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+    angles = ("angles", "side_frame_angles")
+    vectors = ("position", "joint_force", "wheel_force", "normal_force", "friction_force")
+    data = history.dataset
+    changed = {name: data[name].transpose(..., "axis") for name in (*vectors, "side_frame_position")}
+    changed = {name: values.copy(data=values.values @ turn.T) for name, values in changed.items()}
+    changed |= {name: data[name] + xr.DataArray([0.0, 0.0, angle], {"axis": data.axis}) for name in angles}
+    return History(history.case, data.assign(changed))
+
+
+@pytest.mark.parametrize("angle", [0.5, 0.5 * np.pi, np.pi])
+def test_answers_do_not_depend_on_the_heading(history, angle):
+    turned = yawed(history, angle)
+    first, last = (pins_in_frame(of.case, of.dataset) for of in (history, turned))
+    np.testing.assert_allclose(last, first, atol=1e-12)
+    wanted, found = (forces_of_run(of, "run", 0.0) for of in (history, turned))
+    for name, value in wanted._asdict().items():
+        if isinstance(value, float | np.ndarray):
+            np.testing.assert_allclose(getattr(found, name), value, rtol=1e-9, atol=1e-9, err_msg=name)
+    work, other = (run_work(of, 0.02, 20.0) for of in (history, turned))
+    assert other.by_tensions == pytest.approx(work.by_tensions, rel=1e-9)
+    state, after = (of.dataset.isel(time=-1) for of in (history, turned))
+    for chain, same in zip(*(hanging_chains(history.case, one) for one in (state, after)), strict=True):
+        assert same == (same.side, *(pytest.approx(value) for value in chain[1:4]), chain.carrier)
+
+
+def test_tension_at_the_tumbler_is_that_of_the_links_at_its_ends(history):
+    """The links beside the tumbler's lowest and highest point, found by hand in the last state."""
+    data = history.dataset.isel(time=[-1])
+    case = history.case
+    turn = rotation_matrices(data.angles.transpose("time", "shoe", "axis").values)[0]
+    pins = data.position.transpose("time", "shoe", "axis").values[0] + turn @ [
+        case.track.pin_ahead,
+        0.0,
+        case.track.pin_height,
+    ]
+    centre = data.tumbler_position.transpose("time", "track", "axis").values[0]
+    tension = history.link_tension.transpose("time", "joint").values[-1]
+    radius = case.gear.tumbler.radius(case.track.pitch)
+    each = len(pins) // 2
+    wanted = []
+    for track in range(2):
+        own = slice(track * each, (track + 1) * each)
+        for sign in (-1.0, 1.0):
+            end = centre[track] + [0.0, 0.0, sign * radius]
+            wanted.append(tension[own][np.linalg.norm((pins[own] - end)[:, ::2], axis=1).argmin()])
+    found = forces_of_run(History(case, data), "run", 0.0)
+    assert found.taut == pytest.approx(max(wanted))
 
 
 def test_sides_of_a_machine_stand_together_where_they_agree():

@@ -12,6 +12,7 @@ from exudyn_crawler.case import SIDES, Case
 from exudyn_crawler.case.gear.closed import Closed
 from exudyn_crawler.files import blocks
 from exudyn_crawler.results.history import History, catalogue, phases, tension
+from exudyn_crawler.results.history.side_frame import pins_in_frame
 
 KEY_UNITS = catalogue.READ_IN | {"m": ("mm", 1e3)}
 """Units of key results for reading, and factors to them; lengths are small and read in mm."""
@@ -332,10 +333,8 @@ def tension_along_chain(history: History) -> xr.Dataset:
     place = np.rint(np.arange(count) - turned[:, None]).astype(int) % count
     tension_at = [tension[place == number] for number in range(count)]
     start = data.isel(time=0)
-    turn = catalogue.rotation_matrices(data.angles.isel(time=0).values)
-    pins = start.position.values + turn @ [track.pin_ahead, 0.0, track.pin_height]
     rise = (0.0 if case.shoe.rails is None else case.shoe.rails.height) - track.pin_height
-    x, _, z = (pins - start.side_frame_position.values).T
+    x, _, z = pins_in_frame(case, start).T
     on_tumbler, on_idler = (
         np.hypot(x - at[0], z - at[1]) < radius + 0.1 * track.pitch
         for at, radius in (

@@ -8,6 +8,7 @@ import xarray as xr
 from exudyn_crawler.case import SIDES, Case
 from exudyn_crawler.case.gear.closed import Closed
 from exudyn_crawler.results.history import catalogue
+from exudyn_crawler.results.history.side_frame import pins_in_frame
 
 IDLER = "idler"
 
@@ -29,16 +30,14 @@ class Hanging(NamedTuple):
 
 def hanging_chains(case: Case, state: xr.Dataset) -> list[Hanging]:
     """Return the chains of all tracks in one state of a history: a dataset without times."""
-    frame = state.side_frame_position.values
-    turn = catalogue.rotation_matrices(state.side_frame_angles.values)
-    pins = _pins(case, state).reshape(case.gear.tracks, -1, 3)
+    ahead = catalogue.rotation_matrices(state.side_frame_angles.values)[:, 0]
+    pins = pins_in_frame(case, state)[:, [0, 2]].reshape(case.gear.tracks, -1, 2)
     take_ups = np.atleast_1d(state.take_up.values)
     sides = ("",) if case.gear.tracks == 1 else SIDES
     chains = []
     for side, its_pins, take_up in zip(sides, pins, take_ups, strict=True):
         force = state.wheel_force.sel(wheel=f"{side} {IDLER}".strip()).values
-        places = (its_pins - frame) @ turn
-        chains.append(_hanging(case, side, -float(force @ turn[:, 0]), places[:, [0, 2]], float(take_up)))
+        chains.append(_hanging(case, side, -float(force @ ahead), its_pins, float(take_up)))
     return chains
 
 
@@ -50,9 +49,7 @@ def roller_clearances(case: Case, state: xr.Dataset) -> np.ndarray:
     """
     closed = case.part(Closed)
     rails = case.shoe.roller_path
-    frame = state.side_frame_position.values
-    turn = catalogue.rotation_matrices(state.side_frame_angles.values)
-    pins = ((_pins(case, state) - frame) @ turn)[:, [0, 2]].reshape(case.gear.tracks, -1, 2)
+    pins = pins_in_frame(case, state)[:, [0, 2]].reshape(case.gear.tracks, -1, 2)
     axes = np.zeros((case.gear.tracks, len(closed.rollers), 2))
     axes[:, :, 0] = closed.rollers
     if closed.arms:
@@ -73,13 +70,6 @@ def _from_upper(pins: np.ndarray, axes: np.ndarray) -> np.ndarray:
     feet = pins + share[..., None] * ahead
     apart = np.linalg.norm(axes[:, None] - feet, axis=2)
     return np.where(feet[..., 1] > axes[:, 1:], apart, np.inf).min(axis=1)
-
-
-def _pins(case: Case, state: xr.Dataset) -> np.ndarray:
-    """Return the front pins of all shoes in the chain's plane: array (shoes, 3), m, global."""
-    turn = catalogue.rotation_matrices(state.angles.transpose("shoe", "axis").values)
-    arm = [case.track.pin_ahead, 0.0, case.track.pin_height]
-    return state.position.transpose("shoe", "axis").values + turn @ arm
 
 
 def _hanging(case: Case, side: str, push: float, pins: np.ndarray, take_up: float) -> Hanging:

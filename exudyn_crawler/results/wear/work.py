@@ -26,6 +26,7 @@ from exudyn_crawler.files import blocks
 from exudyn_crawler.results.balance import BESIDE
 from exudyn_crawler.results.history import catalogue
 from exudyn_crawler.results.history.history import History
+from exudyn_crawler.results.history.side_frame import pins_in_frame, points_in_frame
 from exudyn_crawler.results.wear import closed_form, sweeps
 
 PAIRS = ("pin", "bush", "rail", "grouser, load times slip", "grouser, friction work")
@@ -193,21 +194,16 @@ class _Block:
         self.tumbler = data.tumbler_speed.values.reshape(len(data.time), -1)
         self.speed = self.tumbler * closed.travel_per_angle(case.track)
         self.tension = catalogue.link_tension(case, data, data).values
-        self.pins = self._local([case.track.pin_ahead, 0.0, case.track.pin_height])
+        # x and z in the axes of the frame
+        self.pins = pins_in_frame(case, data)[..., ::2]
         half = 0.5 * closed.chain_pitch(case.track)
-        self.middles = self._local([case.track.pin_ahead - half, 0.0, case.track.pin_height])
+        middle = (case.track.pin_ahead - half, 0.0, case.track.pin_height)
+        self.middles = points_in_frame(data, middle)[..., ::2]
 
     def _of(self, name: str, item: str) -> np.ndarray:
         """Return a quantity as (time, item, axis)."""
         values: np.ndarray = self.data[name].transpose("time", item, "axis").values.astype(float)
         return values
-
-    def _local(self, arm: list[float]) -> np.ndarray:
-        """Return x and z in the frame of a point of every shoe, (times, shoes, 2), m."""
-        place = self.position + self.turn @ np.array(arm)
-        origin = self.data.side_frame_position.transpose("time", "axis").values
-        local: np.ndarray = np.einsum("tsa,tab->tsb", place - origin[:, None], self.frame)[..., ::2]
-        return local
 
     @property
     def hinge(self) -> np.ndarray:
