@@ -10,6 +10,7 @@ from exudyn_crawler.assessment.settings import AssessmentSettings, read_assessme
 from exudyn_crawler.case import Case
 from exudyn_crawler.case.parameters import checks
 from exudyn_crawler.machines.datasheet.ledger import ledger_of, stated_ledger
+from exudyn_crawler.machines.datasheet.sheet import Datasheet
 from exudyn_crawler.origins import Ledger
 from exudyn_crawler.results.history import History
 from exudyn_crawler.run.folder import record
@@ -72,18 +73,19 @@ def assess(
             files.refuse_existing(folder / name, overwrite)
     given: tuple[str, ...] = ()
     origins: Ledger | None = None
+    sheet: Datasheet | None = None
     if isinstance(machine, Case):
         case = machine
         settings = settings or AssessmentSettings(name=case.name)
     else:
         asked = read_assessment(machine)
-        case = asked.machine.case
+        case, sheet = asked.machine.case, asked.machine.datasheet
         given = asked.given if settings is None else ()
         origins = ledger_of(asked.machine) or stated_ledger(case, asked.stated)
         settings = settings or asked.settings
     checks.warn_of([*checks.out_of_range(settings), *_odd_payload(case, settings)])
     runs = [_forces(named) for named in ([run] if isinstance(run, str | Path) else run)]
-    found = assessment_of(case, settings, given=given, origins=origins, runs=runs, say=say)
+    found = assessment_of(case, settings, given=given, origins=origins, sheet=sheet, runs=runs, say=say)
     if folder is not None:
         write_assessment(found, files.writable_folder(folder), overwrite)
     return found

@@ -18,6 +18,7 @@ from exudyn_crawler.assessment.settings import AssessmentSettings
 from exudyn_crawler.assessment.shoe import ShoeFatigue, ShoeStress, check_of, shoe_stresses
 from exudyn_crawler.assessment.states import FORMULA, CaseLoads, loads_of
 from exudyn_crawler.case import Case
+from exudyn_crawler.machines.datasheet.sheet import Datasheet
 from exudyn_crawler.origins import Ledger, Origin
 
 KILO = 1e3
@@ -171,16 +172,17 @@ def assessment_of(
     name: str | None = None,
     given: tuple[str, ...] = (),
     origins: Ledger | None = None,
+    sheet: Datasheet | None = None,
     runs: Sequence[tuple[str | None, run_forces.RunForces]] = (),
     say: Callable[[str], None] = lambda _text: None,
 ) -> Assessment:
     """Assess the machine of a case; raise `ValueError` unless it stands on two closed tracks.
 
-    `given` and `origins`: see `inputs_ledger`. The forces of each run replace those of the load case beside
-    it. Without a name they replace those of the load case that fits the run.
+    `given` and `origins`: see `inputs_ledger`; `sheet`: see `numbers_of`. The forces of each run replace
+    those of the load case beside it. Without a name they replace those of the load case that fits the run.
     """
     settings = settings or AssessmentSettings(name=case.name)
-    numbers = numbers_of(case, settings)
+    numbers = numbers_of(case, settings, sheet)
     ledger = inputs_ledger(case, settings, numbers, given, origins)
     load_cases = read_load_cases(settings.load_cases)
     by_formula = loads_of(numbers, load_cases)

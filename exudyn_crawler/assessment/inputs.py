@@ -19,6 +19,8 @@ from exudyn_crawler.case import Case, CellContact, Machine, PairContact
 from exudyn_crawler.case.gear.running_gear import RunningGear
 from exudyn_crawler.case.parameters.pin import RADIUS as PIN_RADIUS
 from exudyn_crawler.ground.cells.laws.bekker import BekkerSoil
+from exudyn_crawler.machines.datasheet import typical
+from exudyn_crawler.machines.datasheet.sheet import Datasheet
 from exudyn_crawler.origins import Ruled
 from exudyn_crawler.results.wear.closed_form import Bends, bends_of
 from meshes.geometry import PITCH, ShoeDimensions
@@ -28,10 +30,8 @@ RISE = 5e-3
 HEAVIEST = 50.0
 """Greatest pressure in the table of the ground's sinkage, in mean pressures of the machine."""
 HEAVY = 400e3
-"""Mass, kg, above which a machine counts as a mining shovel, with a smaller pull over its weight."""
-PULL_OF_SHOVEL, PULL_OF_OTHERS = 0.5, 0.8
-"""Greatest pull of a machine without a given torque, fraction of its weight (shovels 0.4 to 0.6, others 0.75
-to 1; recalled, not sourced)."""
+"""Mass, kg, above which a machine without a datasheet counts as a mining shovel, with a smaller pull over its
+weight."""
 PINS = {"diameter": 2.0 * PIN_RADIUS, "inner": 0.50, "outer": 0.20, "gap": 0.005}
 """Dimensions of the pins, fraction of the pitch: diameter 0.20 to 0.22 (recalled); the others assumed, since
 no source has them."""
@@ -173,10 +173,11 @@ class AssessmentNumbers(NamedTuple):
         )
 
 
-def numbers_of(case: Case, settings: AssessmentSettings) -> AssessmentNumbers:
+def numbers_of(case: Case, settings: AssessmentSettings, sheet: Datasheet | None = None) -> AssessmentNumbers:
     """Return the numbers of a machine on two closed tracks.
 
-    `settings` give what the case does not have. Raise `ValueError` if the case has no machine.
+    `settings` give what the case does not have, and `sheet`, from which the case is, the kind of machine.
+    Raise `ValueError` if the case has no machine.
     """
     gear = case.gear
     if not isinstance(gear, Machine):
@@ -199,7 +200,7 @@ def numbers_of(case: Case, settings: AssessmentSettings) -> AssessmentNumbers:
     shoe = _shoe(case, settings, pitch)
     of_chain, tensions = _chain(case, gear, settings, shoe, ends)
     ground, of_ground = _ground(case, settings, footprints, gravity, weights)
-    drive, torque = _drive(gear, settings, gravity * (weights.lower_mass + weights.upper_mass), case)
+    drive, torque = _drive(case, gear, settings, weights.lower_mass + weights.upper_mass, sheet)
     ruled = {
         "length": Ruled(stand.length, "", stand.standing),
         "fewest.length": Ruled(least, ""),
@@ -476,8 +477,17 @@ def _ground(
     return numbers, {f"ground.{key}": value for key, value in values.items()}
 
 
+def _pull_share(mass: float, sheet: Datasheet | None) -> tuple[float, str]:
+    """Return the greatest pull of a machine (kg) over its weight, and the source of this typical value."""
+    if sheet is not None and (own := sheet.typical.pull_share) is not None:
+        return own, f"{own:g}, typical.pull_share of the datasheet"
+    kind = sheet.kind if sheet is not None else "shovel" if mass > HEAVY else ""
+    row = typical.row_of("pull_share", kind)
+    return row.value, f"{row.value:g} of {row.of or 'other machine'}s ({row.source}; {row.known})"
+
+
 def _drive(
-    gear: Machine, settings: AssessmentSettings, weight: float, case: Case
+    case: Case, gear: Machine, settings: AssessmentSettings, mass: float, sheet: Datasheet | None
 ) -> tuple[travel.TrackDrive, Ruled]:
     """Return the drive of one track, and the rule of its torque for settings without one."""
     radius = gear.travel_per_angle(case.track)
@@ -485,6 +495,6 @@ def _drive(
     if gear.torque_limit is not None:
         torque = Ruled(gear.torque_limit, "gear.torque_limit")
     else:
-        share = PULL_OF_SHOVEL if weight > HEAVY * case.gravity else PULL_OF_OTHERS
-        torque = Ruled(0.5 * share * weight * radius / asked.efficiency, "pull", f"{share:g}")
+        share, source = _pull_share(mass, sheet)
+        torque = Ruled(0.5 * share * mass * case.gravity * radius / asked.efficiency, "pull", source)
     return travel.TrackDrive(_chosen(asked.torque, torque), radius, asked.efficiency), torque

@@ -16,8 +16,11 @@ from exudyn_crawler.case import MachineCycle
 from exudyn_crawler.errors import CaseFileError
 from exudyn_crawler.machines import read_case, write_case
 from exudyn_crawler.machines.datasheet import library
+from exudyn_crawler.machines.datasheet.derive import derived
+from exudyn_crawler.machines.datasheet.typical import row_of
 from exudyn_crawler.origins import Entry, Ledger, Origin
 from exudyn_crawler.settings import fields
+from tests.results.test_machine_answers import SHEET
 from tests.test_release import read
 
 GRAVITY = 9.81
@@ -215,6 +218,24 @@ def test_a_turn_stalls_at_the_friction_that_the_drive_has_the_pull_for(found):
     assert row.needed == pytest.approx(numbers_of(case, settings).drive.pull, rel=2e-3)
     beyond = assessment_of(case, settings.with_({"ground.friction": 1.001 * stalls.limit}))
     assert next(row for row in beyond.loads if row.drive == "turn").ends == "stalls"
+
+
+@pytest.mark.parametrize(
+    ("kind", "own", "share"),
+    [(None, None, 0.75), ("excavator", None, 0.75), ("dozer", None, 1.0), ("dozer", 0.9, 0.9)],
+)
+def test_a_pull_without_a_torque_is_the_typical_one_of_the_machine(kind, own, share):
+    sheet = None if kind is None else SHEET.with_({"kind": kind, "typical.pull_share": own})
+    case = derived(SHEET).case
+    assert case.gear.torque_limit is None
+    marked = assessment_of(case, AssessmentSettings(mesh=None), sheet=sheet)
+    assert 2.0 * marked.numbers.drive.pull == pytest.approx(share * marked.numbers.weight)
+    how = marked.ledger["drive.torque"].how
+    row = row_of("pull_share", kind or "")
+    assert (row.source if own is None else "typical.pull_share of the datasheet") in how
+    heavy = assessment_of(Case.shovel().with_({"gear.torque_limit": None}), AssessmentSettings(mesh=None))
+    assert 2.0 * heavy.numbers.drive.pull == pytest.approx(0.5 * heavy.numbers.weight)
+    assert "typical.csv: 0.5 of shovels" in heavy.ledger["drive.torque"].how
 
 
 def test_inputs_say_where_they_come_from(found):
