@@ -11,6 +11,7 @@ from exudyn_crawler.assessment.inputs import AssessmentNumbers
 from exudyn_crawler.assessment.items import BALANCE, KILO, STATICS, AssessedItem, Source, case_item
 from exudyn_crawler.assessment.settings import AssessmentSettings
 from exudyn_crawler.assessment.states import IN_LINE, SLEW, CaseLoads
+from exudyn_crawler.results.history.catalogue import LOADED
 
 BEAMS = Source("statics of two beams", "D")
 MEYERHOF = Source("Meyerhof 1953", "R")
@@ -51,8 +52,12 @@ def pressure_items(
     if np.isfinite(row.even_pressure):
         even = row.even_pressure / KILO
         name, formula = "even equivalent of the pressure", "P / (b (L - 2 e))"
-        of_run = "mean of the shoes that stand"
-        yield case_item(row, name, even, allowed, "kPa", formula, MEYERHOF, of_run=of_run, needs=needs)
+        yield case_item(row, name, even, allowed, "kPa", formula, MEYERHOF, needs=needs)
+    if np.isfinite(row.mean_pressure):
+        mean = row.mean_pressure / KILO
+        name = "mean pressure of the loaded shoes"
+        formula = f"mean of the shoes with {LOADED:g} of the greatest force and more, over pitch x width"
+        yield case_item(row, name, mean, allowed, "kPa", formula, Source(row.basis, "D"), needs=needs)
 
 
 def tipping_items(

@@ -4,16 +4,15 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
+import xarray as xr
 
 from exudyn_crawler.assessment.inputs import AssessmentNumbers
 from exudyn_crawler.assessment.states import FORMULA, CaseLoads
 from exudyn_crawler.case import Heights
 from exudyn_crawler.results.history import History
-from exudyn_crawler.results.history.catalogue import rotation_matrices
+from exudyn_crawler.results.history.catalogue import loaded_shoes, rotation_matrices
 from exudyn_crawler.results.history.side_frame import pins_in_frame
 
-LEAST_PART = 0.05
-"""Contact force above which a shoe counts as grounded, fraction of the largest one."""
 REASONS = {
     "greatest pressure": "a run has that of single shoes: shoes under rollers bear more than those between",
     "track load": "both are statics; pins beside the middle of their shoes shift some load to one track",
@@ -47,7 +46,7 @@ class RunForces(NamedTuple):
     pressure: float
     """Greatest force of a shoe over pitch times width, Pa."""
     mean_pressure: float
-    """Mean pressure of the grounded shoes, Pa."""
+    """Mean pressure of the loaded shoes, Pa."""
     track_load: float
     """Greatest load of a track, N."""
     foot: np.ndarray
@@ -95,7 +94,7 @@ def forces_of_run(history: History, name: str, begin: float | None = None) -> Ru
     friction = contacts.friction_force.transpose("time", "shoe", "axis").values[late]
     turned = rotation_matrices(history.side_frame_angles.transpose("time", "axis").values[late])
     part = case.track.pitch * case.shoe.width
-    stands = on_shoes > LEAST_PART * on_shoes.max()
+    is_loaded = loaded_shoes(xr.DataArray(on_shoes, dims=["time", "shoe"])).values
     tracks = on_shoes.reshape(len(on_shoes), case.gear.tracks, -1).sum(axis=2)
     wheels = history.dataset.wheel_force.transpose("time", "wheel", "axis").values[late]
     rolls = np.array([label.kind == "roller" for label in case.gear.wheel_labels])
@@ -111,7 +110,7 @@ def forces_of_run(history: History, name: str, begin: float | None = None) -> Ru
         uneven=bool(relief.parts) or relief.roughness is not None or relief.measured is not None,
         loaded=case.machine is not None,
         pressure=float(on_shoes.max()) / part,
-        mean_pressure=float(on_shoes[stands].mean()) / part,
+        mean_pressure=float(on_shoes[is_loaded].mean()) / part,
         track_load=float(tracks.max()),
         foot=_foot(history, late, on_shoes, turned),
         roller=float(greatest.max()),
@@ -185,7 +184,8 @@ def with_run(
     taken = row._replace(
         basis=f"run {run.name}",
         greatest_pressure=run.pressure,
-        even_pressure=run.mean_pressure,
+        even_pressure=np.nan,
+        mean_pressure=run.mean_pressure,
         track_load=run.track_load,
         roller=run.roller,
         roller_loads=run.roller_loads,

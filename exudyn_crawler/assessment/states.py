@@ -42,7 +42,7 @@ class CaseLoads(NamedTuple):
     greatest_pressure: float
     """Greatest pressure, Pa; infinite if the machine tips."""
     even_pressure: float
-    """Meyerhof's even pressure of the more loaded track, Pa."""
+    """Meyerhof's even pressure of the more loaded track, Pa; NaN for a run."""
     slew: float
     """Angle of the greatest pressure, rad."""
     carries: float
@@ -73,6 +73,8 @@ class CaseLoads(NamedTuple):
     """Greatest tension of the chain, N."""
     side_force: float
     """Greatest lateral force on a grounded shoe, N."""
+    mean_pressure: float = np.nan
+    """Mean pressure of the loaded shoes of a run, Pa; NaN for the formula."""
     missing: tuple[str, ...] = ()
     """Settings keys without a value that the load case needs; its forces lack them."""
 

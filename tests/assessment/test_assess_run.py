@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from exudyn_crawler import Case, StepProfile, assess, simulate
+from exudyn_crawler import Case, History, StepProfile, assess, simulate
 from exudyn_crawler.assessment import forces, pressure, rollers, run_forces, stability, travel
 from exudyn_crawler.assessment.assessment import assessment_of
 from exudyn_crawler.assessment.inputs import numbers_of
@@ -98,6 +98,15 @@ def test_a_runs_forces_take_the_place_of_the_formulas(aside):
     assert {"greatest ground pressure", "chain tension"} <= {one.item for one in used}
     assert {one.basis for one in found.found if one.item == "tipping"} == {"formula"}
     assert any("has the forces of run aside" in line for line in found.lines)
+    # a mean over shoes is no even equivalent of Meyerhof's, and has an item of its own
+    pressures = {one.item: one for one in used if "pressure" in one.item}
+    assert "even equivalent of the pressure" not in pressures
+    force = on_shoes(aside)[0]
+    mean = force[force >= 0.1 * force.max()].mean()
+    part = aside.case.track.pitch * aside.case.shoe.width
+    last = History(aside.case, aside.dataset.isel(time=[-1]))
+    assert run_forces.forces_of_run(last, "last").mean_pressure == pytest.approx(mean / part)
+    assert pressures["mean pressure of the loaded shoes"].number == pytest.approx(run.mean_pressure / 1e3)
     beside = found.compared.set_index("quantity")
     assert beside.loc["track load", "run over formula"] == pytest.approx(1.0, abs=0.02)
     assert beside["what makes a difference"].str.len().min() > 10
