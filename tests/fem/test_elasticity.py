@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import fem
+from benchmarks.fem_accuracy import OVERHANG, TIP_LOAD, bending
 from fem.body.elasticity import MASS_ORDER, scalar_basis
 from fem.body.element_stress import von_mises
 from fem.body.solver import factorized
@@ -160,3 +161,19 @@ def test_what_maps_elements_goes_with_their_basis(order):
         assert mapping() is None
     finally:
         gc.enable()
+
+
+def test_a_flange_is_stiff_by_long_elements_and_not_by_few_layers():
+    """The shoe's flange beside its web: layers through it, and lengths along it, of quadratic elements."""
+    frequency, stress, deflection = zip(
+        *(bending(edge, layers) for edge, layers in ((0.033, 3), (0.033, 1), (0.066, 1), (0.132, 1))),
+        strict=True,
+    )
+    stiffer = np.array(frequency) / frequency[0] - 1.0
+    assert (stiffer[1:] > 0.0).all()
+    assert stiffer[1:] == pytest.approx([0.015, 0.040, 0.152], rel=0.1)
+    assert (np.diff(deflection) < 0.0).all()
+    # a beam's under the load of its end, in the middle of its length
+    width, thickness = OVERHANG[1:]
+    beam = 0.5 * OVERHANG[0] * -TIP_LOAD[2] * 6.0 / (width * thickness**2)
+    assert stress[0] == pytest.approx(beam, rel=0.05)
