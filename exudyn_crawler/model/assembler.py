@@ -21,7 +21,7 @@ from exudyn_crawler.model.joints.friction import Frictions
 from exudyn_crawler.model.joints.hold import Held
 from exudyn_crawler.model.joints.motor import Motors
 from exudyn_crawler.model.joints.pin import ROWS, Pins
-from exudyn_crawler.model.joints.play import Plays
+from exudyn_crawler.model.joints.play import METRIC, Plays
 from exudyn_crawler.model.joints.pull import Pull
 from exudyn_crawler.model.joints.recoil import Recoils
 from exudyn_crawler.model.kinds import Joints
@@ -281,6 +281,7 @@ class Assembler:
             self.case.gear.pin_clearance(self.case.track),
             0.0 if play is None else play.axial,
             Impact(law[0], 1.0, *law[1:]),
+            METRIC * self.case.shoe.mass / self.case.solver.step**2,
         )
 
     def table_of_loads(self) -> Loads:

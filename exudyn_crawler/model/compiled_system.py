@@ -23,6 +23,7 @@ from exudyn_crawler.model.equations import matrix, residual
 from exudyn_crawler.model.exudyn import add_coordinates, exu, integrator, predict
 from exudyn_crawler.model.forces.cells import OnCells, TrackOnCells
 from exudyn_crawler.model.inputs import Inputs, TimedInputs
+from exudyn_crawler.model.joints.pin import ROWS
 from exudyn_crawler.model.layout import layout_of
 from exudyn_crawler.model.tables import SYSTEM, System, Workspace
 
@@ -36,6 +37,9 @@ KEEPS_MATRIX = {
 
 There most steps take one iteration with it; elsewhere a new matrix pays.
 """
+
+LAW_ITERATIONS, ROUNDING = 100, 1e-12
+"""Greatest number of iterations for forces of play at a given state, and their relative error."""
 
 AT_START = exu.ConfigurationType.Initial, exu.ConfigurationType.Current
 """Configurations of Exudyn's system that have the state of a start."""
@@ -183,6 +187,22 @@ class CompiledSystem(track_system.TrackSystem):
         residual(self.block, state, applied, inputs, weights, out)
         return out
 
+    def forces_of_play(self, state: np.ndarray, inputs: Inputs) -> np.ndarray:
+        """Return the multipliers of links with play that their contacts give at a state, zero for all others.
+
+        A row of play is the law only where its multiplier is the law's force (`model.joints.play`).
+        """
+        plays = self.tables.joints.plays
+        rows = slice(plays.first, plays.first + ROWS * len(plays.markers))
+        count = state.shape[1]
+        multipliers = np.zeros_like(self._multipliers)
+        for _ in range(LAW_ITERATIONS if len(plays.markers) else 0):
+            change = self.residual(state, inputs, multipliers)[count:][rows]
+            multipliers[rows] -= change
+            if np.abs(change).max() <= ROUNDING * np.abs(multipliers[rows]).max():
+                break
+        return multipliers
+
     def step(
         self,
         state: np.ndarray,
@@ -258,8 +278,8 @@ class CompiledSystem(track_system.TrackSystem):
         The factored matrix of accelerations stays in `scratch`.
         """
         self._state[2] = 0.0
-        self._multipliers[:] = 0.0
         self.cover(self._state)
+        self._multipliers[:] = self.forces_of_play(self._state, inputs)
         weights = Weights(0.0, 0.0, 1.0, False, 1.0)
         values = self.scratch[1]
         out = self.residual(self._state, inputs, self._multipliers, weights)
@@ -271,7 +291,7 @@ class CompiledSystem(track_system.TrackSystem):
         out[count:][self.work.joints.share != 1.0] = 0.0
         elimination.solve(fronts, values, out)
         self._state[2] = -out[:count]
-        self._multipliers[:] = -out[count:]
+        self._multipliers -= out[count:]
         self._hand_over(*AT_START)
 
     def _hand_over(self, *configurations: "exu.ConfigurationType") -> None:

@@ -16,6 +16,11 @@ RADIAL, AXIAL, STIFFNESS, EDGE = 2e-3, 1e-3, 5e9, 1e-5
 PLAY = {"radial": RADIAL, "axial": AXIAL, "stiffness": STIFFNESS, "damping": 1e6}
 
 
+def forces_of_play(system, q, q_t):
+    """Multipliers of all links with play at a state, zero for all others."""
+    return system.forces_of_play(np.stack((q, q_t, np.zeros_like(q))), system.inputs(0.0))
+
+
 class Link:
     """First link of a closed chain, both shoes level and nothing else moved."""
 
@@ -38,7 +43,7 @@ class Link:
         pin = bodies.reference[rear, :3] + rotation_matrices(bodies.reference[rear, 3:]) @ at[0]
         q[first : first + 3] = pin + gap - bodies.reference[front, :3] - rotation_matrices(turn) @ at[1]
         q_t[first : first + 3] = rate
-        return -residual_of(self.system, q, q_t)[self.rows]
+        return forces_of_play(self.system, q, q_t)[self.plays.first :][:ROWS]
 
 
 @pytest.fixture(scope="module")
@@ -103,13 +108,29 @@ def test_tangent_is_the_derivative_of_the_laws(link):
     q, q_t = moved(system, 3)
     weights = (1.0, 900.0, 9e5, False, 1e-3)
     rows = slice(link.rows.start, link.rows.start + ROWS * len(link.plays.half))
-    matrix = compiled_matrix(system, q, q_t, weights)[rows, : link.size]
+    law = forces_of_play(system, q, q_t)
+    matrix = compiled_matrix(system, q, q_t, weights, law)[rows, : link.size]
     rng = np.random.default_rng(4)
     for _ in range(5):
         way = 1e-9 * rng.normal(size=link.size)
-        ends = [residual_of(system, q + s * way, q_t + s * 900.0 * way)[rows] for s in (1.0, -1.0)]
-        expected = 0.5 * (ends[0] - ends[1])
+        ends = [forces_of_play(system, q + s * way, q_t + s * 900.0 * way) for s in (1.0, -1.0)]
+        expected = 0.5 * (ends[1] - ends[0])[rows.start - link.size : rows.stop - link.size]
         np.testing.assert_allclose(matrix @ way, expected, rtol=0.0, atol=1e-4 * np.abs(expected).max())
+
+
+def test_row_of_a_law_is_zero_at_its_force_alone(link):
+    """Wherever the law is linearized, and its derivative by the multiplier is one there."""
+    system = link.system
+    q, q_t = moved(system, 8)
+    law = forces_of_play(system, q, q_t)
+    rows = slice(link.rows.start, link.rows.start + ROWS * len(link.plays.half))
+    at_law = residual_of(system, q, q_t, multipliers=law)[rows]
+    np.testing.assert_allclose(at_law, 0.0, atol=1e-9 * np.abs(law).max())
+    off = np.random.default_rng(9).normal(size=len(law))
+    for scale in (10.0, -10.0):
+        left = residual_of(system, q, q_t, multipliers=law + scale * off)[rows]
+        expected = scale * off[rows.start - link.size : rows.stop - link.size]
+        np.testing.assert_allclose(left, expected, rtol=1e-2, atol=1e-2)
 
 
 def test_energy_of_pressed_pins_is_a_potential_and_their_damping_takes_work(link):
@@ -118,11 +139,12 @@ def test_energy_of_pressed_pins_is_a_potential_and_their_damping_takes_work(link
     q, q_t = moved(system, 6)
     n = link.size
     rows = slice(link.rows.start, link.rows.start + ROWS * len(link.plays.half))
-    matrix = compiled_matrix(system, q, np.zeros(n), (1.0, 0.0, 0.0, False, 1e-3))
+    law = forces_of_play(system, q, np.zeros(n))
+    matrix = compiled_matrix(system, q, np.zeros(n), (1.0, 0.0, 0.0, False, 1e-3), law)
     stiffness = matrix[:n, rows] @ matrix[rows, :n]
     np.testing.assert_allclose(stiffness, stiffness.T, rtol=0.0, atol=1e-9 * np.abs(stiffness).max())
-    still, moving = (-residual_of(system, q, rates)[rows] for rates in (np.zeros(n), q_t))
-    assert (moving - still) @ matrix[:n, rows].T @ q_t > 0.0
+    added = (forces_of_play(system, q, q_t) - law)[rows.start - n : rows.stop - n]
+    assert added @ matrix[:n, rows].T @ q_t > 0.0
 
 
 def test_forces_and_moments_of_links_are_in_balance(link):
@@ -130,7 +152,7 @@ def test_forces_and_moments_of_links_are_in_balance(link):
     system = link.system
     q, q_t = moved(system, 5)
     none = residual_of(system, q, q_t)
-    multipliers = -none[link.size :]
+    multipliers = forces_of_play(system, q, q_t)
     bodies = system.tables.bodies
     count = system.case.track.shoe_count
     total, about, greatest = np.zeros(3), np.zeros(3), 0.0

@@ -17,9 +17,9 @@ from exudyn_crawler.case.parameters.pin import PinLaw
 from exudyn_crawler.ground.compiled import inner, kernel
 from exudyn_crawler.ground.frames import Vector, basis, dot
 from exudyn_crawler.ground.packed import Ints1
-from exudyn_crawler.model.bodies import Bodies, attitude_of, read_body
-from exudyn_crawler.model.joints.pin import ROWS, Pins, plane_axis
-from exudyn_crawler.model.markers import NOTHING, Markers, axis_of, direction, end_of
+from exudyn_crawler.model.bodies import Bodies, read_body
+from exudyn_crawler.model.joints.pin import ROWS, Pins, link_ends, plane_axis
+from exudyn_crawler.model.markers import NOTHING, Markers, axis_of, direction
 from exudyn_crawler.model.rows import ALONG_JACOBIAN, JointRows, Motion
 
 
@@ -68,19 +68,15 @@ def write_rows(
         load = pins.first + ROWS * p
         rear = pins.markers[p, 0]
         front = pins.markers[p, 1]
-        a, b = markers.body[rear], markers.body[front]
-        at_a = attitude_of(bodies, a)
-        at_b = attitude_of(bodies, b)
-        read_body(bodies, a, motion.state[0], row)
-        behind = end_of(markers, rear, at_a, row)
-        read_body(bodies, b, motion.state[0], row)
-        ahead = end_of(markers, front, at_b, row)
+        link = link_ends((rear, front), bodies, markers, motion.state, rows.scratch)
+        at_a, at_b = link.attitudes
+        behind, ahead = link.ends
         across = axis_of(behind, at_a, 1)
         direction(markers, rear, behind, at_a, NOTHING, across, -1.0, rows.jacobian[r, 0])
         direction(markers, front, ahead, at_b, NOTHING, across, 1.0, rows.jacobian[r, 1])
         rate = 0.0
         for side in range(2):
-            body = a if side == 0 else b
+            body = link.bodies[side]
             read_body(bodies, body, motion.state[1], row)
             for c in range(row.shape[0] if bodies.modal[body] >= 0 else 6):
                 rate += rows.jacobian[r, side, c] * row[c]

@@ -8,7 +8,7 @@ from exudyn_crawler.ground.frames import Vector, along, basis, cross, dot, turne
 from exudyn_crawler.ground.packed import FloatArray, Floats2, Ints2
 from exudyn_crawler.ground.rotations import Attitude
 from exudyn_crawler.model.bodies import Bodies, attitude_of, read_body
-from exudyn_crawler.model.markers import NOTHING, Markers, axis_of, direction, end_of
+from exudyn_crawler.model.markers import NOTHING, End, Markers, axis_of, direction, end_of
 from exudyn_crawler.model.rows import ALONG_JACOBIAN, STIFFNESS, JointRows, Motion
 
 ROWS = 5
@@ -38,6 +38,39 @@ def plane_axis(attitude: Attitude, k: int) -> Vector:
     if k == 2:
         return cross(attitude.axes[0], attitude.axes[1])
     return attitude.axes[k]
+
+
+class LinkEnds(NamedTuple):
+    """Both ends of a link, rear and front, at the coordinates of their bodies."""
+
+    bodies: tuple[int, int]
+    attitudes: tuple[Attitude, Attitude]
+    ends: tuple[End, End]
+    between: Vector  # from the rear to the front marker, m, global
+
+
+@inner(merged=True)
+def link_ends(
+    pair: tuple[int, int], bodies: Bodies, markers: Markers, state: FloatArray, scratch: Floats2
+) -> LinkEnds:
+    """Return the ends of a link between two markers; `scratch` (2, 6 + m) gets its bodies' coordinates."""
+    a, b = markers.body[pair[0]], markers.body[pair[1]]
+    behind_row = scratch[0]
+    ahead_row = scratch[1]
+    read_body(bodies, a, state[0], behind_row)
+    read_body(bodies, b, state[0], ahead_row)
+    at_a = attitude_of(bodies, a)
+    at_b = attitude_of(bodies, b)
+    reference = bodies.reference
+    apart = (
+        reference[b, 0] + ahead_row[0] - reference[a, 0] - behind_row[0],
+        reference[b, 1] + ahead_row[1] - reference[a, 1] - behind_row[1],
+        reference[b, 2] + ahead_row[2] - reference[a, 2] - behind_row[2],
+    )
+    behind = end_of(markers, pair[0], at_a, behind_row)
+    ahead = end_of(markers, pair[1], at_b, ahead_row)
+    between = along(along(apart, 1.0, ahead.lever), -1.0, behind.lever)
+    return LinkEnds((a, b), (at_a, at_b), (behind, ahead), between)
 
 
 @inner(merged=True)
@@ -75,25 +108,14 @@ def _write_rigid(
 @inner
 def write_rows(pins: Pins, bodies: Bodies, markers: Markers, motion: Motion, rows: JointRows) -> None:
     """Write the rows of all pins, and the rotation of their forces' moments if the weights ask for it."""
-    behind_row = rows.scratch[0]
-    ahead_row = rows.scratch[1]
     for p in range(pins.markers.shape[0]):
         rear = pins.markers[p, 0]
         front = pins.markers[p, 1]
-        a, b = markers.body[rear], markers.body[front]
-        read_body(bodies, a, motion.state[0], behind_row)
-        read_body(bodies, b, motion.state[0], ahead_row)
-        at_a = attitude_of(bodies, a)
-        at_b = attitude_of(bodies, b)
-        reference = bodies.reference
-        apart = (
-            reference[b, 0] + ahead_row[0] - reference[a, 0] - behind_row[0],
-            reference[b, 1] + ahead_row[1] - reference[a, 1] - behind_row[1],
-            reference[b, 2] + ahead_row[2] - reference[a, 2] - behind_row[2],
-        )
-        behind = end_of(markers, rear, at_a, behind_row)
-        ahead = end_of(markers, front, at_b, ahead_row)
-        between = along(along(apart, 1.0, ahead.lever), -1.0, behind.lever)
+        link = link_ends((rear, front), bodies, markers, motion.state, rows.scratch)
+        a, b = link.bodies
+        at_a, at_b = link.attitudes
+        behind, ahead = link.ends
+        between = link.between
         first = pins.first + ROWS * p
         for r in range(ROWS):
             rows.bodies[first + r, 0] = a
