@@ -162,6 +162,15 @@ def machines(results: Path) -> Iterator[tuple[str, float, str, str]]:
             yield f"{machine} {name}", row[column], unit[1] if unit else "1", how
 
 
+def pins(results: Path) -> Iterator[tuple[str, float, str, str]]:
+    """Yield works, powers and fluctuations of the runs with and without friction of pins."""
+    table = pd.read_csv(results / "pins" / "pins.csv").set_index("run")
+    for run, row in table.drop(columns=["kind", "speed", "ground"]).iterrows():
+        for column, value in row.items():
+            name, unit, rest = re.split(r" in (kJ|kW|kN m|kN)\b", str(column))
+            yield f"{run}: {name}{rest}", value, unit, "python -m studies pins"
+
+
 def by_variant(results: Path) -> Iterator[tuple[str, str, str, str]]:
     """Yield the counts of rows of the rigid studies within their limits, by variant, case and class."""
     table = variants.counts(pd.read_csv(results / "variants" / "rigid.csv")).set_index("variant")
@@ -196,6 +205,7 @@ def renew(results: Path) -> None:
         "tutorial": ("mine", tutorial),
         "machines": ("library", machines),
         "order": ("order", orders),
+        "pins": ("pins", pins),
         "mechanisms": ("mechanisms", mechanisms),
     }
     for name, (folder, rows) in sources.items():

@@ -314,6 +314,16 @@ def library(
     _show_tables(out, {"motion": (table, "Motion over the commanded one", ())})
 
 
+@command("python -m studies pins")
+def pins(out: Out = RESULTS / "pins", overwrite: Overwrite = False) -> None:
+    """Compare pins without and with friction: work of a pin in a lap, power of the drive, rattle (2 min)."""
+    from studies.pins import study
+
+    table = study(out, overwrite=overwrite, say=typer.echo)
+    _show_tables(out, {"pins": (table, "A lap of a pin", ("run", "whole path in kJ", "closed form in kJ"))})
+    typer.echo(f"the spectra are in {out / 'spectra.png'}")
+
+
 @command("python -m studies sliding-modes --out results/sliding_modes")
 def sliding_modes(
     runs: Annotated[bool, typer.Option("--runs", help="include the 10 s runs (ten minutes)")] = False,

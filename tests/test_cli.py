@@ -31,7 +31,8 @@ from tests.test_release import read
 
 STUDIES = {
     *("kinematics", "forces", "stress", "uneven", "rollers", "closed", "grounds", "shovel-life"),
-    *("plate-sweep", "sliding-modes", "verify", "measurements", "library", "variants", "order", "mechanisms"),
+    *("plate-sweep", "sliding-modes", "verify", "measurements", "library", "pins", "variants", "order"),
+    "mechanisms",
 }
 COMMANDS = {
     *(
