@@ -2,7 +2,7 @@
 
 The pendulum and the N-four-bar are the problems A01 and A02 of the library of multibody benchmarks of IFToMM
 (Gonzalez, Dopico, Lugris and Cuadrado, Multibody System Dynamics 16, 2006). Bodies have no ground below them.
-All motion is in the plane of x and z, about y.
+All motion is in the plane of x and z, about y. The chain round a wheel is a run of the whole program.
 """
 
 from collections.abc import Sequence
@@ -14,6 +14,8 @@ import pandas as pd
 from numpy.typing import ArrayLike
 from scipy.special import ellipj, ellipk
 
+from exudyn_crawler import StepProfile, read_case, simulate
+from exudyn_crawler.case.gear.closed import Closed
 from exudyn_crawler.files import writable_folder
 from exudyn_crawler.ground.cells.pressing import ShoePoints
 from exudyn_crawler.ground.packed import nothing, pack
@@ -191,6 +193,10 @@ PITCH = 0.67
 """Pitch of the ring's links, m."""
 
 
+RAMP, SETTLE = 1.0, 0.3
+"""Times, s, in which a chain is brought to its speed, and until its mean counts."""
+
+
 class Found(NamedTuple):
     """Result of a problem beside its known answer."""
 
@@ -332,9 +338,31 @@ def spinning_ring(links: int = 24, speed: float = 5.0, steps: int = 500) -> list
     ]
 
 
+M113 = Path(__file__).with_name("m113.toml")
+
+
+def wheel(speed: float = 10.0, steady: float = 1.0) -> list[Found]:
+    """Run the chain of an M113 on posts round its wheels, for a `steady` time (s) at a speed (m/s).
+
+    The idler's load is the pull of both runs less what turns the chain round: ``N = 2 (T - m' v^2)``, in the
+    mean over time. Here the whole program runs, with teeth, wheels and a tensioner.
+    """
+    case = read_case(M113).case
+    drive = case.drive.with_(speed=StepProfile(times=(0.0, RAMP), values=(0.0, speed)))
+    case = case.with_(drive=drive, solver=case.solver.with_(step=1e-3))
+    history = simulate(case, RAMP + SETTLE + steady, progress=False)
+    late = history.time.values > RAMP + SETTLE
+    load = history.wheel_force.sel(wheel="idler").values[late].mean(axis=0)
+    ahead = (history.position - history.side_frame_position).values[late][..., 0]
+    x, _ = case.part(Closed).idler.place
+    tension = float(history.link_tension.values[late].mean(where=ahead > x))
+    known = 0.5 * float(np.hypot(load[0], load[2])) + case.shoe.mass / case.track.pitch * speed**2
+    return [Found("chain of an M113", f"tension on its idler at {speed:g} m/s", "N", known, tension)]
+
+
 def study(out: Path | None = None) -> pd.DataFrame:
     """Tabulate all problems, see `Found`; `out` gets `mechanisms.csv`."""
     folder = None if out is None else writable_folder(out)
-    table = pd.DataFrame([*pendulum(), *n_four_bar(), *spinning_ring()])
+    table = pd.DataFrame([*pendulum(), *n_four_bar(), *spinning_ring(), *wheel()])
     save(folder, mechanisms=table)
     return table

@@ -51,6 +51,14 @@ def test_a_spinning_ring_has_the_tension_of_its_polygon():
     assert link.mass * 5.0**2 / radius == pytest.approx(2.0 * known * np.sin(np.pi / 24))
 
 
+@pytest.mark.filterwarnings("ignore::exudyn_crawler.errors.ImplausibleWarning")
+def test_a_chain_round_a_wheel_has_the_pull_of_its_speed_besides():
+    (row,) = mechanisms.wheel(speed=12.0, steady=0.5)
+    assert row.found == pytest.approx(row.known, rel=0.01)
+    # that of the speed, m' v^2, is a fifth of it
+    assert 0.2 * row.known < 18.02 / 0.154 * 12.0**2
+
+
 def test_an_impossible_motion_is_refused():
     with pytest.raises(RuntimeError, match=r"the step from .* s did not converge"):
         mechanisms.n_four_bar(time=10.0, h=5.0)
