@@ -9,6 +9,7 @@ from exudyn_crawler.ground.packed import FloatArray, IntArray
 from exudyn_crawler.ground.rows import NO_DERIVATIVES
 from exudyn_crawler.model.bodies import write_angles
 from exudyn_crawler.model.forces import teeth, wheels
+from exudyn_crawler.model.joints import play
 from exudyn_crawler.model.tables import Workspace, read_system
 
 
@@ -19,7 +20,7 @@ class GearForces(NamedTuple):
     tooth: FloatArray  # (t, n, 6): of the teeth
     guide: FloatArray  # (t, n): part of both across the track, N
     on_wheels: FloatArray  # (t, wheels, 3): of all shoes on every wheel, N
-    energy: FloatArray  # (t, 2): in the contacts of wheels and of teeth, J
+    energy: FloatArray  # (t, 3): in the contacts of wheels, of teeth and of pins with play, J
     strip_wheel: IntArray  # (t, f, slots): as in `forces.wheels.WheelWorkspace`, as are all strips
     strip_force: FloatArray  # (t, f, slots, strips, 3)
     strip_foot: FloatArray  # (t, f, slots, strips, 3)
@@ -37,7 +38,7 @@ class GearForces(NamedTuple):
             tooth=np.zeros((times, shoes, 6)),
             guide=np.zeros((times, shoes)),
             on_wheels=np.zeros((times, *of_wheels.on_wheels.shape)),
-            energy=np.zeros((times, 2)),
+            energy=np.zeros((times, 3)),
             strip_wheel=np.zeros((times, some, *of_wheels.wheel.shape[1:]), dtype=np.int64),
             strip_force=np.zeros((times, some, *of_wheels.force.shape[1:])),
             strip_foot=np.zeros((times, some, *of_wheels.foot.shape[1:])),
@@ -85,6 +86,9 @@ def write_gear_forces(
         _copy(of_wheels.on_wheels.reshape(-1), forces.on_wheels[t].reshape(-1))
         forces.energy[t, 0] = of_wheels.energy[0]
         forces.energy[t, 1] = of_teeth.energy[0]
+        forces.energy[t, 2] = play.stored_energy(
+            tables.joints.plays, bodies, tables.markers, state, work.joints.scratch
+        )
         for s in range(shoes):
             forces.guide[t, s] = np.sum(of_wheels.guide[s]) + np.sum(
                 of_teeth.guide[s * lugs : (s + 1) * lugs]

@@ -349,8 +349,8 @@ def energies(history: History) -> xr.Dataset:
     energy in their contacts with rails. The frame's energies include bogies and arms, and in a closed track
     tumblers and idlers. `teeth` is the energy in their contacts, `tensioners` that in the springs of idlers,
     `arm_springs` that in the springs of arms, from their nominal position, `elastic` that of the modes of
-    flexible shoes, `pin_springs` that of rubber bushes between rigid shoes. Raises `ValueError` for flexible
-    shoes of an open track, or on cells.
+    flexible shoes, `pin_springs` that of rubber bushes between rigid shoes, or of pins with play in their
+    bores. Raises `ValueError` for flexible shoes of an open track, or on cells.
     """
     case = history.case
     if case.flexible is not None:
@@ -388,8 +388,8 @@ def energies(history: History) -> xr.Dataset:
         elif (recoil := case.part(Closed).idler.recoil) is not None:
             back = case.part(Closed).assembled(case).take_up - _of_tracks(history, "take_up")
             stored["tensioners"] = np.sum(recoil.preload * back + 0.5 * recoil.stiffness * back**2, axis=0)
-    if case.track.pin.kind == "rubber":
-        stored["pin_springs"] = _bush_energy(history)
+    if _pins_store_energy(case):
+        stored["pin_springs"] = _pin_energy(history)
     if case.flexible is not None:
         squares = (history.modal_coordinate.values * 2.0 * np.pi * history.frequency.values) ** 2
         stored["elastic"] = 0.5 * squares.sum(axis=(1, 2))
@@ -409,8 +409,9 @@ def powers(history: History) -> xr.Dataset:
     track the drive is the torque on the tumblers. `wheel_losses` and `tooth_losses` are the power that wheels
     and teeth take and do not store: by resistance, damping and flanges. `drawbar` is the power that a drawbar
     takes from the frame. `modal_damping`, `tensioner_damping`, `arm_damping` and `pin_losses`
-    (friction of pins, and what rubber bushes lose) take power if they exist. Raises `ValueError` as in
-    `energies`, or for contact by spheres: its history does not have the power of each contact.
+    (friction of pins, what rubber bushes lose, and damping of play) take power if they exist. Raises
+    `ValueError` as in `energies`, or for contact by spheres: its history does not have the power of each
+    contact.
     """
     case = history.case
     _refuse_lacking(case)
@@ -427,7 +428,7 @@ def powers(history: History) -> xr.Dataset:
         named |= _rolled_powers(history, case.part(Rolled), shoes, supplied[Kind.CHAIN])
     if history.has("wheel_energy"):
         named |= _closed_powers(history, shoes)
-    if not case.track.pin.is_ideal:
+    if not case.track.pin.is_ideal or case.gear.pin_play is not None:
         named["pin_losses"] = _pin_losses(history, supplied[Kind.JOINT])
     if case.gear.frame_parts and case.part(RunningGear).arms:
         sprung = _sprung(history, _side_frame(history))
@@ -435,9 +436,17 @@ def powers(history: History) -> xr.Dataset:
     return _over_time(history, "W", **named)
 
 
-def _bush_energy(history: History) -> np.ndarray:
-    """Return the energy of the twisted bushes of all pins, J: (times,)."""
+def _pins_store_energy(case: Case) -> bool:
+    """Return True if pins store energy, in rubber bushes or in contacts with their bores."""
+    return case.track.pin.kind == "rubber" or case.gear.pin_play is not None
+
+
+def _pin_energy(history: History) -> np.ndarray:
+    """Return the energy of the twisted bushes of all pins, or of their contacts with play, J: (times,)."""
     case = history.case
+    if case.gear.pin_play is not None:
+        pressed: np.ndarray = history.play_energy.values
+        return pressed
     law = case.track.pin.law(case.track.pitch)
     rear, front = np.moveaxis(
         rotation_matrices(history.angles.values)[:, case.gear.links(case.track) - 1], 2, 0
@@ -461,8 +470,8 @@ def _pin_losses(history: History, on_frames: np.ndarray) -> np.ndarray:
             velocity = history.modal_velocity.sel(flexible_shoe=shoe).values
             loads = loads_by_kind(history, shoe)[Kind.JOINT]
             taken = taken - np.sum(loads @ units.work @ units.integrated.inside * velocity, axis=1)
-    if history.case.track.pin.kind == "rubber":
-        taken = taken - np.gradient(_bush_energy(history), history.time.values)
+    if _pins_store_energy(history.case):
+        taken = taken - np.gradient(_pin_energy(history), history.time.values)
     return taken
 
 

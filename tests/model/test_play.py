@@ -1,13 +1,14 @@
-"""Pins with play: no force within it, balance, closed forms of a pressed pin, tangent, rest, wear."""
+"""Pins with play: no force within it, closed forms of a pressed pin, tangent, balances, energy, wear."""
 
 import numpy as np
 import pytest
 
-from exudyn_crawler import Case
+from exudyn_crawler import Case, StepProfile, simulate
 from exudyn_crawler.errors import ParameterError
 from exudyn_crawler.ground.rotations import rotation_matrices
 from exudyn_crawler.model.compiled_system import compiled_system
 from exudyn_crawler.model.joints.pin import ROWS
+from exudyn_crawler.results.balance import energy_balance, shoe_actions, shoe_imbalance
 from tests.model.both import compiled_matrix, residual_of
 
 pytestmark = pytest.mark.simulation
@@ -177,6 +178,48 @@ def test_forces_and_moments_of_links_are_in_balance(link):
     assert greatest > 1e6
     np.testing.assert_allclose(total, 0.0, atol=1e-8 * greatest)
     np.testing.assert_allclose(about, 0.0, atol=1e-7 * greatest)
+
+
+@pytest.fixture(scope="module")
+def driven():
+    """Chain with play that rises to 0.3 m/s, stored at every step; soft bores store and lose more."""
+    rise = StepProfile(times=(0.0, 0.3), values=(0.0, 0.3))
+    steps = {"solver.step": 1e-3, "solver.output_interval": 1e-3}
+    case = Case.closed().with_(steps | {"drive.speed": rise})
+    case = case.with_({"gear.play": PLAY | {"stiffness": 5e8, "damping": 1e7}})
+    return simulate(case, 0.5, progress=False)
+
+
+def test_all_that_acts_on_shoes_is_the_rate_of_their_momentum(driven):
+    """The force of a link acts at one point on both shoes, off the bore of the shoe in front."""
+    acts, left = shoe_actions(driven), shoe_imbalance(driven)
+    for name, parts in acts.items():
+        assert float(abs(left[name]).max()) < 1e-5 * float(abs(parts).max()), name
+
+
+def test_work_of_the_torque_is_losses_and_what_is_stored(driven):
+    balance = energy_balance(driven)
+    work = balance.drive.values.max()
+    assert np.abs(balance.imbalance.values).max() < 1e-3 * work
+    # each is some times more than what may be left open
+    for name in ("pin_losses", "pin_springs"):
+        assert float(balance[name][-1]) > 1e-2 * work, name
+
+
+def test_stored_energy_is_the_potential_of_forces_at_rest(link):
+    """Its derivative along a way of all shoes is the work of the forces of play along it."""
+    system = link.system
+    q, _ = moved(system, 11)
+    still = np.zeros(link.size)
+    rows = slice(link.rows.start, link.rows.start + ROWS * len(link.plays.half))
+    law = forces_of_play(system, q, still)
+    matrix = compiled_matrix(system, q, still, (1.0, 0.0, 0.0, False, 1e-3), law)
+    along = matrix[: link.size, rows] @ law[rows.start - link.size : rows.stop - link.size]
+    way = 1e-8 * np.random.default_rng(12).normal(size=link.size)
+    both = np.stack((q - way, q + way))
+    energy = system.gear_forces(np.zeros(2), both, np.zeros_like(both)).energy[:, 2]
+    assert energy[0] > 1e3
+    assert energy[1] - energy[0] == pytest.approx(2.0 * along @ way, rel=1e-5)
 
 
 def test_play_from_wear_is_what_the_pitch_has_grown():

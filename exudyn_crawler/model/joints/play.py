@@ -20,13 +20,15 @@ import numpy as np
 from exudyn_crawler.ground.compiled import inner
 from exudyn_crawler.ground.frames import Vector, along, basis, cross, dot, turned
 from exudyn_crawler.ground.laws import Impact, step
-from exudyn_crawler.ground.packed import FloatArray, Floats1, Ints2
+from exudyn_crawler.ground.packed import FloatArray, Floats1, Floats2, Ints2
 from exudyn_crawler.ground.rotations import Attitude
 from exudyn_crawler.model.bodies import Bodies, read_body
 from exudyn_crawler.model.joints.pin import ROWS, LinkEnds, link_ends, write_turned
 from exudyn_crawler.model.markers import NOTHING, End, Markers, axis_of, direction
 from exudyn_crawler.model.rows import JointRows, Motion
 
+_AXES = (0, 1, 2, 0, 2)
+"""Axis of the front body of each row: of distances, and of the axis of the rear body."""
 METRIC = 0.3
 """Metric of a chain, see above, in masses of a shoe over the square of a time step.
 
@@ -75,6 +77,17 @@ def contact_slopes(law: Impact, depth: float, rate: float) -> tuple[float, float
         return 0.0, 0.0, 0.0
     by_depth = law.stiffness * part + law.damping * rate * 6.0 * part * (1.0 - part) / edge
     return force, by_depth, law.damping * faded
+
+
+@inner
+def contact_energy(law: Impact, depth: float) -> float:
+    """Return the energy (J) in a contact at a depth (m), zero without contact."""
+    if depth <= 0.0:
+        return 0.0
+    edge = law.damping_depth
+    within = min(depth, edge)
+    beyond = depth - within
+    return law.stiffness * (within**3 / (6.0 * edge) + 0.5 * beyond * (beyond + edge))
 
 
 @inner
@@ -206,7 +219,7 @@ def _write_gaps(
     axes = _level_axes(ends[1], attitudes[1])
     across = axis_of(ends[0], attitudes[0], 1)
     for r in range(ROWS):
-        axis = axes[r] if r < 3 else axes[0 if r == 3 else 2]
+        axis = axes[_AXES[r]]
         force = axis if r < 3 else NOTHING
         gaps[r] = dot(between if r < 3 else across, axis)
         behind = NOTHING if r < 3 else cross(axis, across)
@@ -218,6 +231,27 @@ def _write_gaps(
     directions[2, 1, 4] -= gaps[0]
     directions[3, 1, 4] += gaps[4]
     directions[4, 1, 4] -= gaps[3]
+
+
+@inner(allocates=True)
+def stored_energy(
+    plays: Plays, bodies: Bodies, markers: Markers, state: FloatArray, scratch: Floats2
+) -> float:
+    """Return the energy (J) in the contacts of all links with play; `scratch` is that of `JointRows`."""
+    energy = 0.0
+    gaps = np.zeros(ROWS)
+    for p in range(plays.markers.shape[0]):
+        link = link_ends((plays.markers[p, 0], plays.markers[p, 1]), bodies, markers, state, scratch)
+        axes = _level_axes(link.ends[1], link.attitudes[1])
+        across = axis_of(link.ends[0], link.attitudes[0], 1)
+        for r in range(ROWS):
+            gaps[r] = dot(link.between if r < 3 else across, axes[_AXES[r]])
+        for side in range(2):
+            arm = (2.0 * side - 1.0) * plays.half[p]
+            offset = math.hypot(gaps[0] - arm * gaps[3], gaps[2] - arm * gaps[4])
+            energy += contact_energy(plays.law, offset - plays.radial)
+        energy += contact_energy(plays.law, abs(gaps[1]) - plays.axial)
+    return energy
 
 
 @inner(allocates=True)

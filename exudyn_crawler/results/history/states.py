@@ -312,6 +312,8 @@ def _closed(states: _States, motion: Arrays) -> Arrays:
         "wheel_energy": gear_forces.energy[:, 0],
         "tooth_energy": gear_forces.energy[:, 1],
     }
+    if case.gear.pin_play is not None:
+        named["play_energy"] = gear_forces.energy[:, 2]
     if case.drive.slip is not None:
         named["drawbar_pull"] = states.part("drive")[:, 0]
     if not states.system.layout.flexible_shoes:

@@ -162,7 +162,10 @@ def _on_shoe(history: History, shoe: int) -> Iterator[Action]:
 
 
 def _joints(history: History, shoe: int, position: np.ndarray, frames: np.ndarray) -> Iterator[Action]:
-    """Yield joints of both links; a link of rigid shoes has one, at its right pin, or midway if closed."""
+    """Yield joints of both links; a link of rigid shoes has one, at its right pin, or midway if closed.
+
+    With play a force acts at the pin of the shoe behind, within the play beside that of the shoe in front.
+    """
     track = history.case.track
     gear = history.case.gear
     joints = gear.joints(track)
@@ -182,10 +185,15 @@ def _joints(history: History, shoe: int, position: np.ndarray, frames: np.ndarra
         for number, pin in enumerate(pins):
             pushed = force[:, number]
             moment = torque[:, number]
-            wear = track.pitch - gear.shoe_pitch(track)
-            if wear and end == "rear":  # a worn pin is farther back
-                moment = moment + np.cross(wear * frames[:, :, 0], pushed)
             point = position + frames @ _center(track, pin)
+            wear = track.pitch - gear.shoe_pitch(track)
+            if gear.pin_play is not None and end == "rear":
+                behind = history.dataset.sel(shoe=joint)
+                turned = rotation_matrices(behind.angles.values)
+                acts = behind.position.values + turned @ _center(track, Pin("front", pin.side))
+                moment = moment + np.cross(acts - point, pushed)
+            elif wear and end == "rear":  # a worn pin is farther back
+                moment = moment + np.cross(wear * frames[:, :, 0], pushed)
             yield Action(Kind.JOINT, shoe, pin, point, pushed, moment, AtInterface(words(pin)))
 
 
