@@ -168,8 +168,9 @@ def integrated(tables: Tables, start: ArrayLike, gravity: Three, h: float, steps
         found.append((*state[:2].copy(), multipliers[:pins].copy()))
     q, q_t, forces = map(np.array, zip(*found, strict=True))
     count = 6 * len(tables.bodies.mass)
-    parts = (q[:, :count], 6), (q_t[:, :count], 6), (forces, ROWS)
-    return Swing(*(part.reshape(steps + 1, -1, width) for part, width in parts), q[:, count:])
+    by_body, by_pin = (steps + 1, -1, 6), (steps + 1, -1, ROWS)
+    places, rates = q[:, :count].reshape(by_body), q_t[:, :count].reshape(by_body)
+    return Swing(places, rates, forces.reshape(by_pin), q[:, count:])
 
 
 def energy(bodies: Sequence[Rigid], swing: Swing) -> np.ndarray:

@@ -55,12 +55,16 @@ def closed_on(law: SoilLaw) -> Case:
     return Case.closed().on_cells(law)
 
 
+ROUGH = RockFloor.hard_floor().with_(friction=5.0)
+"""Floor on which nothing slides: friction stays below its bound."""
+
 MOTIONS = {
     "dragged": Smooth(Case.translation, 0.16),
     "rolled": Smooth(Case.rolled, 0.08),
     "closed": Smooth(Case.closed, 0.08),
     "machine": Smooth(Case.shovel, 0.08),
     "closed on hard floor": Smooth(partial(closed_on, RockFloor.hard_floor()), 0.04),
+    "closed on rough hard floor": Smooth(partial(closed_on, ROUGH), 0.04),
     "closed on sand": Smooth(partial(closed_on, BekkerSoil.lete_sand()), 0.04),
     "vehicle on arms on sand": Smooth(vehicle_on_arms, 0.04),
 }
