@@ -91,6 +91,24 @@ def test_all_that_acts_on_flexible_shoes_balances_and_work_of_the_torque_goes_in
     assert (balanced_loads(bent).table["kind"] == "tooth").sum() == 2
 
 
+def test_flexible_shoes_with_play_balance_and_pass_on_the_forces_of_rigid_ones():
+    """Each bore of a flexible shoe presses at both of its ends, the lug of a rigid one at both pins."""
+    play = {"radial": 1e-3, "axial": 1e-3, "stiffness": 5e9, "damping": 1e6}
+    steps = {"solver.step": 1e-3, "solver.output_interval": 1e-3}
+    case = flexible_case(FLEXIBLE).with_(steps | {"gear.play": play})
+    bent, rigid = (simulate(one, 0.3, progress=False) for one in (case, case.with_(flexible=None)))
+    balanced_forces(bent)
+    balanced_loads(bent)
+    balance = energy_balance(bent)
+    work = balance.drive.values.max()
+    assert np.abs(balance.imbalance.values).max() < 1e-3 * work
+    assert np.abs(balance.pin_springs.values).max() > 1e-2 * work
+    tension, expected = (np.hypot(*(run.joint_force.sel(axis=one) for one in "xz")) for run in (bent, rigid))
+    late = slice(100, None)
+    apart = np.sqrt(((tension - expected).isel(time=late) ** 2).mean("time")).max()
+    assert apart < 0.02 * np.sqrt((expected.isel(time=late) ** 2).mean("time")).max()
+
+
 def test_loads_of_the_wheels_are_those_on_the_shoe(bent):
     for shoe in (UNDER_ROLLER, ON_IDLER):
         loads = roller_loads(bent, shoe).force.sum(("wheel", "rail")).values

@@ -24,11 +24,9 @@ from exudyn_crawler.ground.packed import FloatArray, Floats1, Floats2, Ints2
 from exudyn_crawler.ground.rotations import Attitude
 from exudyn_crawler.model.bodies import Bodies, read_body
 from exudyn_crawler.model.joints.pin import ROWS, LinkEnds, link_ends, write_turned
-from exudyn_crawler.model.markers import NOTHING, End, Markers, axis_of, direction
+from exudyn_crawler.model.markers import NOTHING, UNTURNED, End, Markers, axis_of, direction
 from exudyn_crawler.model.rows import JointRows, Motion
 
-_AXES = (0, 1, 2, 0, 2)
-"""Axis of the front body of each row: of distances, and of the axis of the rear body."""
 METRIC = 0.3
 """Metric of a chain, see above, in masses of a shoe over the square of a time step.
 
@@ -216,21 +214,37 @@ def _write_gaps(
 ) -> None:
     """Write the gaps of a link and their derivatives by the coordinates of both bodies."""
     attitudes, ends, between = link.attitudes, link.ends, link.between
-    axes = _level_axes(ends[1], attitudes[1])
+    axes = _axes_of_rows(link)
     across = axis_of(ends[0], attitudes[0], 1)
     for r in range(ROWS):
-        axis = axes[_AXES[r]]
+        axis = axes[r]
         force = axis if r < 3 else NOTHING
+        moment = NOTHING if r < 3 else cross(axis, across)
         gaps[r] = dot(between if r < 3 else across, axis)
-        behind = NOTHING if r < 3 else cross(axis, across)
-        ahead = cross(axis, between) if r < 3 else behind
-        direction(markers, pair[0], ends[0], attitudes[0], force, behind, -1.0, directions[r, 0])
-        direction(markers, pair[1], ends[1], attitudes[1], force, ahead, 1.0, directions[r, 1])
+        direction(markers, pair[0], ends[0], attitudes[0], force, moment, -1.0, directions[r, 0])
+        direction(markers, pair[1], ends[1], attitudes[1], force, moment, 1.0, directions[r, 1])
+        if r < 3:
+            # these axes turn with the body, and do not bend with its end
+            swept = cross(axis, between)
+            for c in range(3):
+                directions[r, 1, 3 + c] += dot(attitudes[1].axes[c], swept)
     # level axes do not pitch with the body
     directions[0, 1, 4] += gaps[2]
     directions[2, 1, 4] -= gaps[0]
     directions[3, 1, 4] += gaps[4]
     directions[4, 1, 4] -= gaps[3]
+
+
+@inner
+def _axes_of_rows(link: LinkEnds) -> tuple[Vector, Vector, Vector, Vector, Vector]:
+    """Return the axis of each row without the front body's pitch, global.
+
+    Distances are along the axes of the body's frame, angles of the pin are about those of its bent end.
+    """
+    end, attitude = link.ends[1], link.attitudes[1]
+    x, y, z = _level_axes(End(end.lever, NOTHING, UNTURNED), attitude)
+    bent_x, _, bent_z = _level_axes(end, attitude)
+    return x, y, z, bent_x, bent_z
 
 
 @inner(allocates=True)
@@ -242,10 +256,10 @@ def stored_energy(
     gaps = np.zeros(ROWS)
     for p in range(plays.markers.shape[0]):
         link = link_ends((plays.markers[p, 0], plays.markers[p, 1]), bodies, markers, state, scratch)
-        axes = _level_axes(link.ends[1], link.attitudes[1])
+        axes = _axes_of_rows(link)
         across = axis_of(link.ends[0], link.attitudes[0], 1)
         for r in range(ROWS):
-            gaps[r] = dot(link.between if r < 3 else across, axes[_AXES[r]])
+            gaps[r] = dot(link.between if r < 3 else across, axes[r])
         for side in range(2):
             arm = (2.0 * side - 1.0) * plays.half[p]
             offset = math.hypot(gaps[0] - arm * gaps[3], gaps[2] - arm * gaps[4])
@@ -305,7 +319,7 @@ def write_rows(plays: Plays, bodies: Bodies, markers: Markers, motion: Motion, r
                             rows.jacobian[row, side, c] -= tangent[r, k] * directions[k, side, c]
         if motion.weights.position != 0.0:
             force = NOTHING
-            axes = _level_axes(link.ends[1], link.attitudes[1])
+            axes = _axes_of_rows(link)
             for r in range(3):
                 force = along(force, motion.multipliers[first + r], axes[r])
             write_turned(plays.turned + p, (rear, front), force, bodies, markers, motion.state, rows)
