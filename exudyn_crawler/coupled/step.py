@@ -82,7 +82,8 @@ class CoupledStep:
         system = self._failed.system
         failure = system.failure()
         where = failure.cause or f"Newton's method failed, {failure.fault(system.layout)}"
-        return f"track {1 + list(self._blocks).index(self._failed)}: {where}"
+        number = 1 + list(self._blocks).index(self._failed)
+        return f"machine {number} {self._failed.system.case.name!r}: {where}"
 
     def _solve(self) -> bool:
         """Solve the step from its prediction; return False if the search is given up."""

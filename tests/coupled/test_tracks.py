@@ -60,15 +60,15 @@ def test_what_cannot_be_solved_is_refused():
         solve_dynamic(mbs, index)
 
 
-def test_run_that_fails_names_the_track_and_the_equation():
-    case = small_case()
+def test_run_that_fails_names_the_machine_and_the_equation():
+    case = small_case().with_(name="digger")
     _container, mbs = model()
     track = add_track(mbs, case)
     mbs.Assemble()
     solve_dynamic(mbs, settings(case, 0.004))
     track.block.multipliers[:] = np.nan
     track.block.state[:] = np.nan
-    with pytest.raises(SimulationStopped, match="track 1: Newton's method failed") as stopped:
+    with pytest.raises(SimulationStopped, match="machine 1 'digger': Newton's method failed") as stopped:
         solve_dynamic(mbs, settings(case, 0.02, 0.004))
     assert stopped.value.time == pytest.approx(0.004)
 
