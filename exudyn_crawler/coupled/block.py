@@ -1,7 +1,9 @@
-"""Equations of a track within a coupled step: they are eliminated, and answer to forces on the car body.
+"""Equations of a machine in a coupled step: Newton's method in two halves, with a wrench between them.
 
-Newton's method of the track alone (`model.newton`) is taken apart here: between the elimination of the right-
-hand side and the computation of the unknowns from those of the last front, forces on the car body may change.
+`reduce` eliminates all unknowns but those of the last front, which has the car body: the place of the car
+body is then a linear function of the wrench that the user's model exerts on it (`place_with`). `CoupledStep`
+finds this wrench, and `advance` computes all unknowns with it. Both halves together are an iteration of
+`model.newton`.
 """
 
 import math
@@ -56,9 +58,10 @@ class TrackBlock:
     """State and equations of a track whose car body a user's model loads.
 
     `wrench` (6,) are force and moment of the user's model on the car body about its origin, N and N m, in the
-    case's frame. `compliance` (6, 6) is the change of the car body's coordinates per unit of it, `turning`
-    (6, 6) the change of its pose by its coordinates. `iterations` and `matrices` count those of all accepted
-    steps; `has_moved` is true after the first one.
+    case's frame. `response` (6, 6) is the change, per unit of it, of what the factored matrix solves for: in
+    a step the car body's coordinates, after `accelerate` its accelerations. `turning` (6, 6) is the change of
+    its pose by its coordinates. `iterations` and `matrices` count those of all accepted steps; `has_moved` is
+    true after the first one.
     """
 
     def __init__(self, rest: Rest, placement: Placement) -> None:
@@ -91,8 +94,8 @@ class TrackBlock:
     def accelerate(self, time: float, wrench: np.ndarray) -> np.ndarray:
         """Compute the initial accelerations with a wrench (6,) of the user's model.
 
-        Return those of the car body, linear and angular, in the case's frame: array (6,). `compliance` is
-        then their change per unit of the wrench.
+        Return those of the car body, linear and angular, in the case's frame: array (6,). `response` is then
+        that of the accelerations.
         """
         self.wrench = wrench
         self.system.accelerate(self._loaded(self.commands.applied(self.system.inputs(time))))
@@ -204,14 +207,14 @@ class TrackBlock:
         for answer in answers:
             elimination.reduce(self.system.tables.fronts, values, answer, self._last_front)
         self._answers = answers[:, self._own].T.copy()
-        self.compliance = answers[:, self._frame].T.copy()
+        self.response = answers[:, self._frame].T.copy()
 
     def _angles(self, coordinates: np.ndarray) -> np.ndarray:
         return np.asarray(coordinates[3:] + self._reference[3:])
 
     def place_with(self, wrench: np.ndarray) -> np.ndarray:
         """Return position (m) and angles (rad) of the car body after the iteration, for a wrench (6,)."""
-        change = self._change[self._frame] - self.compliance @ (wrench - self.wrench)
+        change = self._change[self._frame] - self.response @ (wrench - self.wrench)
         return np.asarray(self.state[0, self._frame] - change + self._reference)
 
     @property

@@ -28,11 +28,15 @@ SLOW = 0.5
 WORTH = 10
 """Number of iterations of a user's model that cost as much as a new matrix (20 bodies: 0.2 and 2 ms)."""
 UNIT = 1e4
-"""Wrench, N and N m, by which the answers of initial accelerations are outcomes: as large as loads are."""
+"""Unit wrench (N, N m) whose initial accelerations are found as the difference of two solutions: as large as
+loads, so that rounding does not show in the difference."""
 
 
 class CoupledStep:
-    """Solution of the steps of tracks and a user's model; the arguments are in the same order."""
+    """Newton's method of a user's model and its machines: Exudyn calls `newton` and `accept` at each step.
+
+    `blocks` are the machines' equations in the order of the model's car bodies.
+    """
 
     def __init__(self, model: UserModel, blocks: Sequence[TrackBlock]) -> None:
         self._model = model
@@ -97,7 +101,7 @@ class CoupledStep:
                 if is_new:
                     self._closing = None
             try:
-                wrenches = self._meet()
+                wrenches = self._joining_wrenches()
             except np.linalg.LinAlgError:
                 wrenches = None
             if wrenches is None:
@@ -111,35 +115,49 @@ class CoupledStep:
             if all(outcomes):
                 return True
 
-    def _meet(self) -> np.ndarray | None:
-        """Solve the user's model for the reduced tracks.
+    def _joining_wrenches(self) -> np.ndarray | None:
+        """Find the wrenches with which each car body is at one place in the user's model and in its track.
 
-        Return the wrenches on the tracks (6 cars,), in the frames of their cases; None if the search fails.
-        Raises `numpy.linalg.LinAlgError` for a singular matrix.
+        This is Newton's method of the user's model within one iteration of the tracks. Unknowns are the
+        user's coordinates and the wrenches on the tracks, whose opposites load the user's car bodies. A
+        track is eliminated, so that the place of its car body is a linear function of the wrench.
+
+        Returns
+        -------
+        ndarray or None
+            Wrenches on the tracks (6 cars,), in the frames of their cases; None if the search fails.
+
+        Raises
+        ------
+        numpy.linalg.LinAlgError
+            If a matrix is singular.
         """
         model = self._model
         wrenches = np.concatenate([block.wrench for block in self._blocks])
-        last = math.inf
+        error_before = math.inf
         for iteration in range(MOST):
-            norm, gap = model.residual(-self._turn @ wrenches)
+            norm, constraint_gap = model.residual(-self._turn @ wrenches)
             pairs = zip(self._blocks, wrenches.reshape(-1, 6), strict=True)
-            apart = model.gaps([block.place_with(wrench) for block, wrench in pairs])
-            left = max(norm / self._limit, gap / GAP, np.abs(apart).max() / GAP)
-            if left <= 1.0:
+            gaps = model.gaps([block.place_with(wrench) for block, wrench in pairs])
+            # greatest of all errors over their limits
+            error = max(norm / self._limit, constraint_gap / GAP, np.abs(gaps).max() / GAP)
+            if error <= 1.0:
                 return wrenches
-            if not left < math.inf:
+            if not error < math.inf:
                 return None
             # a new matrix needs one iteration; those beyond may cost as much as it does
             self._wasted += iteration > 0
-            if not model.is_factored or self._wasted > WORTH or (iteration > 1 and left > SLOW * last):
+            is_slow = iteration > 1 and error > SLOW * error_before
+            if not model.is_factored or self._wasted > WORTH or is_slow:
                 model.factor()
                 self._closing = None
                 self._wasted = 0
-            last = left
+            error_before = error
             if self._closing is None:
                 self._closing = np.linalg.inv(self._closed(model.answers))
+            # with the old wrenches the correction moves the user's car bodies; the change closes what is left
             correction = model.solve()
-            change = self._closing @ (apart - model.turned(correction))
+            change = self._closing @ (gaps - model.turned(correction))
             wrenches = wrenches + change
             model.correct(correction, -self._turn @ change)
         return None
@@ -166,10 +184,11 @@ class CoupledStep:
     def _closed(self, answers: np.ndarray) -> np.ndarray:
         """Return how much gaps close per unit of the wrenches on the tracks: array (6 cars, 6 cars).
 
-        `answers` are the changes of the user's poses per unit of the wrenches on them.
+        `answers` are the changes of the user's poses per unit of the wrenches on them. For initial
+        accelerations, gaps are differences of accelerations, and `answers` their changes.
         """
         closed = answers @ self._turn
         for k, block in enumerate(self._blocks):
             own = slice(6 * k, 6 * k + 6)
-            closed[own, own] += block.placement.of_wrench @ block.turning @ block.compliance
+            closed[own, own] += block.placement.of_wrench @ block.turning @ block.response
         return np.asarray(closed)

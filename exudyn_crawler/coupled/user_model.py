@@ -1,7 +1,9 @@
-"""A user's model within a coupled step: Exudyn forms its equations, which are solved here for given motions.
+"""A user's model in a coupled step: Exudyn forms its residual and matrix, this module solves and corrects.
 
-Exudyn multiplies the equations of motion by ``beta h^2``, so that the unknowns of its algebraic equations are
-the multipliers times that factor.
+The model is loaded by wrenches on its car bodies (`residual`, `correct`), and says how far these are from the
+places of the tracks' car bodies (`gaps`). `CoupledStep` makes Newton's method of both. Exudyn multiplies the
+equations of motion by ``beta h^2``, so that the unknowns of its algebraic equations are the multipliers times
+that factor.
 """
 
 import math
