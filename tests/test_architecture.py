@@ -1,6 +1,9 @@
 """The rooms of the code: imports go one way, no circle, a picture that is true."""
 
 import ast
+import itertools
+import re
+from pathlib import Path
 
 from docs import rooms
 
@@ -78,6 +81,26 @@ def test_texts_that_name_modules_count_as_imports():
     assert ("tests.one", "fem.body.mesh") in rooms.imports_of(
         "tests.one", ast.parse("NAME = 'fem.body.mesh'")
     )
+
+
+def test_the_table_of_rooms_names_all_that_a_room_imports():
+    """Named rooms, with "below" all floors below the highest named one, and what any room may import."""
+    head = "| room | content | imports from |"
+    rows = Path("docs/architecture.md").read_text(encoding="utf-8").partition(head)[2].splitlines()[2:]
+    cells = {}
+    for row in itertools.takewhile(lambda line: line.startswith("|"), rows):
+        names, *_, cell = row.strip("| ").split("|")
+        cells |= dict.fromkeys(re.findall(r"`(\w+)(?:/|\.py)`", names), cell)
+    assert set(cells) == {room for floor in rooms.FLOORS for room in floor} | set(rooms.SHARED)
+    floor = {room: k for k, row in enumerate(rooms.FLOORS) for room in row}
+    for room, cell in cells.items():
+        named = set(re.findall(r"`(\w+)`", cell))
+        if "below" in cell:
+            highest = min((floor[one] for one in named), default=floor[room])
+            named |= {one for one, k in floor.items() if k > highest}
+        found = {b for a, b in rooms.arrows() if a == room}
+        assert found <= named | set(rooms.SHARED) | {rooms.FACE}, (room, found - named)
+        assert named <= set(floor) | set(rooms.SHARED), room
 
 
 SUMS = ("exudyn_crawler.model.equations", "exudyn_crawler.model.newton")
