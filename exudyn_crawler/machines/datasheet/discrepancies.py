@@ -6,7 +6,7 @@ from exudyn_crawler.case.gear.machine import Machine
 from exudyn_crawler.case.parameters.checks import implausible, out_of_range
 from exudyn_crawler.case.ph4100c import GRAVITY
 from exudyn_crawler.machines.case_file import CaseFile
-from exudyn_crawler.machines.datasheet import plausible
+from exudyn_crawler.machines.datasheet import plausible, rules
 from exudyn_crawler.machines.datasheet.derive import derived
 from exudyn_crawler.machines.datasheet.figures import machine_mass
 from exudyn_crawler.machines.datasheet.ledger import ledger_of
@@ -96,7 +96,7 @@ def _odd_sums(sheet: Datasheet, odd: Collection[str]) -> Iterator[str]:
             yield f"datasheet.contact_area: {printed} is not the area of both tracks, {by_length}"
     if sheet.ground_pressure is None or "ground_pressure" in odd:
         return
-    mean = sheet.operating_weight * GRAVITY / area
+    mean = rules.ground_pressure(sheet.operating_weight, sheet.shoe_width, length, GRAVITY)
     least, greatest = PRESSURE
     if not least <= sheet.ground_pressure / mean <= greatest:
         printed = f"{1e-3 * sheet.ground_pressure:.4g} kPa"
