@@ -26,7 +26,7 @@ from exudyn_crawler.settings import fields, reading, units
 
 BESIDE = ("duration", "outputs", datasheets.KEY)
 """Keys of a case file beside those of its case."""
-CYCLE = "file"  # key of the load cycle's file in the loads, and of the law file in a soil law
+FILE_KEY = "file"  # key of the load cycle's file in the loads, and of the law file in a soil law
 TEXT = {"type": "string", "description": "a number with its unit, such as '20 MN/m'"}
 DRAFT = "https://json-schema.org/draft/2020-12/schema"
 
@@ -118,7 +118,7 @@ def _whole_path(key: str, path: fields.KeyPath) -> fields.KeyPath:
     """Return the full path of a key in a case file, which may give the last names alone."""
     names = ".".join(fields.names_of(path))
     known = list(fields.key_paths(CaseFile))
-    if path[-1] in (fields.BASE, CYCLE) or any(f"{choice}.".startswith(f"{names}.") for choice in known):
+    if path[-1] in (fields.BASE, FILE_KEY) or any(f"{choice}.".startswith(f"{names}.") for choice in known):
         return path
     # a datasheet has some names of its own: keys of its values must include the table
     meant = [
@@ -151,12 +151,12 @@ def _resolved(content: reading.Content, folder: Path, changes: Iterable[str] = (
             with fields.errors_at(key):
                 content = fields.with_value(content, path, value)
     table = content.get("loads")
-    if isinstance(table, dict) and CYCLE in table:
-        if len(table) > 1 or not isinstance(table[CYCLE], str):
+    if isinstance(table, dict) and FILE_KEY in table:
+        if len(table) > 1 or not isinstance(table[FILE_KEY], str):
             raise ValueError(
-                f"loads.{CYCLE} must be the name of a load cycle, without other keys, got {table!r}"
+                f"loads.{FILE_KEY} must be the name of a load cycle, without other keys, got {table!r}"
             )
-        cycle = folder / content.pop("loads")[CYCLE]
+        cycle = folder / content.pop("loads")[FILE_KEY]
     beside = {name: content.pop(name) for name in BESIDE if name in content}
     below: reading.Content | None = None
     if datasheets.has_datasheet(beside):
@@ -171,7 +171,7 @@ def _resolved(content: reading.Content, folder: Path, changes: Iterable[str] = (
         try:
             case["loads"] = loads.LoadCycle.from_file(cycle, _shoe_count(case)).model_dump(mode="json")
         except OSError as error:
-            raise ValueError(f"loads.{CYCLE}: {error}") from error
+            raise ValueError(f"loads.{FILE_KEY}: {error}") from error
     whole = beside | {"case": with_equal_loads(case)}
     for key, path, value in of_items:
         with fields.errors_at(key):
@@ -187,16 +187,16 @@ def _with_law(content: reading.Content, folder: Path) -> reading.Content:
     """Return the values of a case with its soil law completed from the law file that it names."""
     contact = content.get("contact")
     law = contact.get("law") if isinstance(contact, dict) else None
-    if not isinstance(contact, dict) or not isinstance(law, dict) or CYCLE not in law:
+    if not isinstance(contact, dict) or not isinstance(law, dict) or FILE_KEY not in law:
         return content
-    name = f"contact.law.{CYCLE}"
-    if not isinstance(law[CYCLE], str):
-        raise ValueError(f"{name} must be the name of a law file, got {law[CYCLE]!r}")
+    name = f"contact.law.{FILE_KEY}"
+    if not isinstance(law[FILE_KEY], str):
+        raise ValueError(f"{name} must be the name of a law file, got {law[FILE_KEY]!r}")
     try:
-        of_file = reading.toml_content(folder / law[CYCLE], "law file")
+        of_file = reading.toml_content(folder / law[FILE_KEY], "law file")
     except (OSError, ValueError) as error:
         raise ValueError(f"{name}: {error}") from error
-    rest = {key: value for key, value in law.items() if key != CYCLE}
+    rest = {key: value for key, value in law.items() if key != FILE_KEY}
     return content | {"contact": contact | {"law": of_file | rest}}
 
 
@@ -234,7 +234,7 @@ class _FileSchema(GenerateJsonSchema):
         table = super().model_schema(schema)
         table.pop("required", None)
         if issubclass(kind, terrain.SoilLaw):
-            table["properties"][CYCLE] = {
+            table["properties"][FILE_KEY] = {
                 "type": "string",
                 "description": "law file with the values that are not stated",
             }
