@@ -1,7 +1,8 @@
 """Numbers of an assessment from a case and settings.
 
-No other module of this package reads a case. Positions are in the axes of `assessment.forces`, whose origin
-is the middle of the rectangle below both tracks.
+Formulas take these numbers and no case. Beside this module `ledger` lists values of a case, `shoe` takes its
+mesh and track for the check of a shoe, and `run_forces` reads the case of a run. Positions are in the axes of
+`assessment.forces`, whose origin is the middle of the rectangle below both tracks.
 """
 
 import math
@@ -48,7 +49,7 @@ class RollerNumbers(NamedTuple):
     groups: tuple[tuple[int, ...], ...]
     """Roller numbers, from 0, that share their load: two of a bogie, or one alone."""
     tread: RollerTread
-    above_ground: float
+    grounded_shoe_weight: float
     """Weight of one track's grounded shoes, N: part of the ground load that no roller carries."""
 
     @property
@@ -209,7 +210,7 @@ def numbers_of(case: Case, settings: AssessmentSettings, sheet: Datasheet | None
         "weights.lower_mass": Ruled(weights.lower_mass, ""),
         "weights.lower_com": Ruled(weights.lower_com, ""),
         "work.least_reach": Ruled(least_reach, ""),
-        "rollers.above_ground": Ruled(rollers.above_ground, ""),
+        "rollers.grounded_shoe_weight": Ruled(rollers.grounded_shoe_weight, ""),
         "chain.weight": Ruled(of_chain.weight, ""),
         "drive.radius": Ruled(drive.radius, ""),
         "drive.torque": torque,

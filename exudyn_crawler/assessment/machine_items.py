@@ -241,7 +241,7 @@ def _information(numbers: AssessmentNumbers) -> Iterator[AssessedItem]:
     stall = numbers.drive.pull
     held = float(travel.traction(0.5 * numbers.weight, ground.friction, ground.cohesion, 0.5 * area.area))
     blocked = travel.blocked_track(stall, numbers.chain.rest, held, area.gauge)
-    mean_load = 0.5 * (0.5 * numbers.weight - rollers.above_ground) / len(rollers.places)
+    mean_load = 0.5 * (0.5 * numbers.weight - rollers.grounded_shoe_weight) / len(rollers.places)
     moment = utilisation.bending_of_shoe(mean_load, numbers.shoe.width, numbers.shoe.rail)
     push = "F B / 2, F the lesser of drive and ground"
     rows = (

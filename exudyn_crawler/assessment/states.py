@@ -249,7 +249,7 @@ def _rollers(numbers: AssessmentNumbers, case: LoadCase, envelope: _Envelope, te
     further from the middle than that of the track.
     """
     places = numbers.rollers.supports
-    lying = numbers.rollers.above_ground
+    lying = numbers.rollers.grounded_shoe_weight
     some = envelope.heavier > lying
     if not some.any():
         return np.zeros(len(numbers.rollers.places))
@@ -277,7 +277,7 @@ def _rollers(numbers: AssessmentNumbers, case: LoadCase, envelope: _Envelope, te
 def _corner(numbers: AssessmentNumbers, weight: Floats, ahead: Floats, aside: Floats) -> Floats:
     """Return the loads (states, supports) of a track with a corner on a stone, N: only the corner bears."""
     places = numbers.rollers.supports
-    load = weight - 2.0 * numbers.rollers.above_ground
+    load = weight - 2.0 * numbers.rollers.grounded_shoe_weight
     away = weight / load
     length = float(places[-1] - places[0])
     corner = rollers.corner_load(load, away * ahead, away * aside, length, numbers.footprints.gauge)

@@ -269,7 +269,7 @@ def test_roller_on_a_ridge_beside_a_run(ahead, limit):
     numbers = numbers_of(case, BARE)
     level = forces.gravity_on_slope(9.81, 0.0, 0.0)
     stands = forces.resultant(forces.forces_at(numbers.weights, numbers.work, np.zeros(1), level))
-    load = 0.5 * float(stands.weight[0]) - numbers.rollers.above_ground
+    load = 0.5 * float(stands.weight[0]) - numbers.rollers.grounded_shoe_weight
     places = numbers.rollers.places
     middle = len(places) // 2
     if ahead is not None:

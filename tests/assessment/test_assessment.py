@@ -137,7 +137,7 @@ def test_supports_share_the_load_of_a_track(found):
     """One roller bears all of the more loaded track but its shoes; two and the outer ones what levers say."""
     by_name = {row.name: row for row in found.loads}
     alone = by_name["one roller on a ridge"]
-    shoes = found.numbers.rollers.above_ground
+    shoes = found.numbers.rollers.grounded_shoe_weight
     assert alone.roller == pytest.approx(alone.track_load - shoes)
     assert by_name["two rollers bear a track"].roller < by_name["two rollers bear a track"].track_load - shoes
     hollow = by_name["hollow below the middle"].roller_loads
@@ -287,7 +287,7 @@ def test_machines_of_datasheets_are_assessed(name):
     loads = {row.name: row for row in found.loads}
     assert loads["travels straight on the level"].ends == "goes"
     assert loads["one roller on a ridge"].roller_loads.sum() == pytest.approx(
-        loads["one roller on a ridge"].track_load - found.numbers.rollers.above_ground
+        loads["one roller on a ridge"].track_load - found.numbers.rollers.grounded_shoe_weight
     )
 
 

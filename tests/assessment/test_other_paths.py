@@ -285,7 +285,7 @@ def _of_rollers(numbers, supports):
 
 def greatest_roller(numbers, case, found, tension):
     """Greatest load (N) of a roller over all states."""
-    lying = numbers.rollers.above_ground
+    lying = numbers.rollers.grounded_shoe_weight
     x = np.array([numbers.rollers.places[list(group)].mean() for group in numbers.rollers.groups])
     load = found.heavier - lying
     # shoes bear themselves in the middle: moments about it
@@ -315,7 +315,7 @@ def greatest_roller(numbers, case, found, tension):
 def greatest_corner(numbers, found, x):
     """Greatest load (N) of a roller at a corner, by a linear programme in the states that matter most."""
     gauge, length = numbers.footprints.gauge, x[-1] - x[0]
-    load = found.weight - 2.0 * numbers.rollers.above_ground
+    load = found.weight - 2.0 * numbers.rollers.grounded_shoe_weight
     along, across = (found.weight * place / load for place in (found.ahead, found.aside))
     # what passes over an edge stands on it
     along = np.clip(along, -0.4999999 * length, 0.4999999 * length)
@@ -614,7 +614,7 @@ def expected_of_machine(numbers, settings):
 
     stalls = 0.0 if spare(1e-6) <= 0.0 else brentq(spare, 1e-6, 50.0, rtol=1e-6)
     rows["friction over that at which a turn on the spot stalls"] = ground.friction, stalls
-    count, lying = len(numbers.rollers.places), numbers.rollers.above_ground
+    count, lying = len(numbers.rollers.places), numbers.rollers.grounded_shoe_weight
     diameter = 2.0 * numbers.rollers.tread.radius
     rows["mean maximum pressure on soft ground"] = (
         1.26 * weight / 1e3 / (2 * count * width * np.sqrt(numbers.chain.pitch * diameter)),
