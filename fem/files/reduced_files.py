@@ -2,9 +2,10 @@
 
 import hashlib
 import json
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import asdict
 from pathlib import Path
+from typing import TypeVar
 
 import h5py
 import numpy as np
@@ -15,6 +16,8 @@ from fem.body.mesh import Floats, Mesh
 from fem.body.reduced import ReducedBody
 from fem.files.hdf5 import PIN_PRESSURES, REDUCED_BODY, STATIC_FIELDS, read_whole, write_rows, write_whole
 from fem.stress.static_fields import StaticFields
+
+Content = TypeVar("Content")
 
 _ARRAYS = ("frequencies", "modes", "pilots", "center_of_mass", "inertia", "ritz")
 _FIELD_ARRAYS = ("displacements", "energy", "work")
@@ -107,7 +110,13 @@ def load_reduced(path: str | Path, mesh: Mesh | None = None, digest: str | None 
     StaleCacheError
         If mesh or digest differ.
     """
-    return read_whole(Path(path), REDUCED_BODY, lambda file: _read(file, Path(path), mesh, digest))
+
+    def check(file: h5py.File) -> None:
+        if mesh is not None and file.attrs["mesh_digest"] != mesh.digest:
+            raise StaleCacheError(f"{path} must belong to this mesh, got that of another one")
+        _check_digest(file, path, digest, "this mesh and these parameters")
+
+    return _read_checked(path, REDUCED_BODY, check, lambda file: _body(file, mesh), _content_digest)
 
 
 def load_fields(path: str | Path, digest: str | None = None) -> StaticFields:
@@ -129,18 +138,45 @@ def load_fields(path: str | Path, digest: str | None = None) -> StaticFields:
     StaleCacheError
         If the digest differs.
     """
-    return read_whole(Path(path), STATIC_FIELDS, lambda file: _read_fields(file, Path(path), digest))
+
+    def check(file: h5py.File) -> None:
+        _check_digest(file, path, digest, "this body and these loads")
+
+    return _read_checked(path, STATIC_FIELDS, check, _fields, _fields_digest)
 
 
-def _read_fields(file: h5py.File, path: Path, digest: str | None) -> StaticFields:
+def _fields(file: h5py.File) -> StaticFields:
+    """Return the static fields of a file."""
+    arrays = {name: file[name][()] for name in _FIELD_ARRAYS}
+    return StaticFields(json.loads(file.attrs["families"]), **arrays)
+
+
+def _read_checked(
+    path: str | Path,
+    kind: str,
+    check: Callable[[h5py.File], None],
+    read: Callable[[h5py.File], Content],
+    content_digest: Callable[[Content], str],
+) -> Content:
+    """Read the content of a file of a kind after a check of its inputs.
+
+    Raises `ValueError` if the content is not what was written, by its digest.
+    """
+
+    def read_all(file: h5py.File) -> Content:
+        check(file)
+        content = read(file)
+        if file.attrs["content"] != content_digest(content):
+            raise ValueError(f"{path} must be whole, got content that its digest does not match")
+        return content
+
+    return read_whole(Path(path), kind, read_all)
+
+
+def _check_digest(file: h5py.File, path: str | Path, digest: str | None, inputs: str) -> None:
+    """Raise `StaleCacheError` unless a file has a digest of its inputs; None: any will do."""
     if digest is not None and file.attrs["digest"] != digest:
-        raise StaleCacheError(f"{path} must be made with this body and these loads, got others")
-    fields = StaticFields(
-        json.loads(file.attrs["families"]), **{name: file[name][()] for name in _FIELD_ARRAYS}
-    )
-    if file.attrs["content"] != _fields_digest(fields):
-        raise ValueError(f"{path} must be whole, got content that its digest does not match")
-    return fields
+        raise StaleCacheError(f"{path} must be made with {inputs}, got others")
 
 
 def save_pressures(path: str | Path, pressures: Mapping[str, Floats], digest: str = "") -> None:
@@ -184,16 +220,16 @@ def load_pressures(path: str | Path, digest: str | None = None) -> dict[str, Flo
     StaleCacheError
         If the digest differs.
     """
-    return read_whole(Path(path), PIN_PRESSURES, lambda file: _read_pressures(file, Path(path), digest))
+
+    def check(file: h5py.File) -> None:
+        _check_digest(file, path, digest, "this body and these bores")
+
+    return _read_checked(path, PIN_PRESSURES, check, _pressures, _pressures_digest)
 
 
-def _read_pressures(file: h5py.File, path: Path, digest: str | None) -> dict[str, Floats]:
-    if digest is not None and file.attrs["digest"] != digest:
-        raise StaleCacheError(f"{path} must be made with this body and these bores, got others")
-    pressures = {name: array[()] for name, array in file["pressures"].items()}
-    if file.attrs["content"] != _pressures_digest(pressures):
-        raise ValueError(f"{path} must be whole, got content that its digest does not match")
-    return pressures
+def _pressures(file: h5py.File) -> dict[str, Floats]:
+    """Return the pressures of a file by name."""
+    return {name: array[()] for name, array in file["pressures"].items()}
 
 
 def _pressures_digest(pressures: Mapping[str, Floats]) -> str:
@@ -212,18 +248,15 @@ def _fields_digest(fields: StaticFields) -> str:
     return sha.hexdigest()
 
 
-def _read(file: h5py.File, path: Path, mesh: Mesh | None, digest: str | None) -> ReducedBody:
-    if mesh is not None and file.attrs["mesh_digest"] != mesh.digest:
-        raise StaleCacheError(f"{path} must belong to this mesh, got that of another one")
-    if digest is not None and file.attrs["digest"] != digest:
-        raise StaleCacheError(f"{path} must be made with this mesh and these parameters, got others")
+def _body(file: h5py.File, mesh: Mesh | None) -> ReducedBody:
+    """Return the reduced body of a file, with a mesh in place of the equal one of the file if it is given."""
     stored = file["mesh"]
     body_mesh = mesh or Mesh(
         stored["nodes"][()],
         stored["elements"][()],
         {name: data[()] for name, data in stored["surfaces"].items()},
     )
-    body = ReducedBody(
+    return ReducedBody(
         mesh=body_mesh,
         material=Material(**json.loads(file.attrs["material"])),
         interfaces=tuple(
@@ -240,9 +273,6 @@ def _read(file: h5py.File, path: Path, mesh: Mesh | None, digest: str | None) ->
         parameters=json.loads(file.attrs["parameters"]),
         **{name: file[name][()] for name in _ARRAYS},
     )
-    if file.attrs["content"] != _content_digest(body):
-        raise ValueError(f"{path} must be whole, got content that its digest does not match")
-    return body
 
 
 def _content_digest(body: ReducedBody) -> str:
