@@ -16,7 +16,7 @@ from exudyn_crawler.origins import Ruled
 
 LOOSE = 0.01  # tolerance of the lengths of a datasheet, fraction of the chain's length
 PLAUSIBLE_GAPS = 8, 18  # range of sprocket gaps that supports a number of shoes, or a pitch by mass
-IDLER_SIZES = 0.8, 1.2
+CLOSING_CIRCLES = 0.8, 1.2
 """Range of the mean circle of sprocket and idler that may close a chain, over a printed sprocket's circle."""
 LONGEST, SHORTEST = 60.0, 5.0  # range of the length on ground, pitches
 HALF_PITCH: tuple[Kind, ...] = ("excavator", "dozer", "loader", "drill", "paver")
@@ -196,7 +196,7 @@ def _diameter(sheet: Datasheet, pitch: float, tips: float) -> Ruled:
     else:
         return usual
     if sheet.sprocket_gaps is not None:
-        bounds = IDLER_SIZES[0] * usual.value, IDLER_SIZES[1] * usual.value
+        bounds = CLOSING_CIRCLES[0] * usual.value, CLOSING_CIRCLES[1] * usual.value
     else:
         bounds = rules.pin_circle(pitch, PLAUSIBLE_GAPS[0]), rules.pin_circle(pitch, PLAUSIBLE_GAPS[1])
     return left if bounds[0] <= left.value <= bounds[1] else usual

@@ -18,7 +18,7 @@ from exudyn_crawler.origins import Ruled
 
 PLAY = 0.1  # least clearance between neighbouring wheels, pitches
 LEAST_ROLLER = 0.3  # least radius of a roller in a dense row, pitches
-IDLERS = 0.6, 1.5  # range of an idler's circle of pins over the sprocket's
+IDLER_CIRCLES = 0.6, 1.5  # range of an idler's circle of pins over the sprocket's
 
 
 class WheelPlaces(NamedTuple):
@@ -214,7 +214,7 @@ def _with_rollers_that_fit(layout: Layout, chain: Chain) -> Layout:
 
 def _closing_circle(layout: Layout, chain: Chain) -> float:
     """Return the radius of the pins' circle on the idler that closes the chain, m."""
-    bounds = IDLERS[0] * layout.pins, IDLERS[1] * layout.pins
+    bounds = IDLER_CIRCLES[0] * layout.pins, IDLER_CIRCLES[1] * layout.pins
     try:
         return assembly.closed_chain(layout.belt, layout.pitch, chain.shoes, bounds, "an idler of")
     except assembly.WithinError as error:
