@@ -9,7 +9,7 @@ from exudyn_crawler.errors import did_you_mean
 
 
 class NamedGround(NamedTuple):
-    """Ground with its allowed pressure; `mark` is S (seen in the source), R (recalled) or D (derived)."""
+    """Ground with its allowed pressure; `mark` is S (seen in the source), R (remembered) or D (derived)."""
 
     name: str
     allowed_pressure: float

@@ -34,8 +34,8 @@ HEAVY = 400e3
 """Mass, kg, above which a machine without a datasheet counts as a mining shovel, with a smaller pull over its
 weight."""
 PINS = {"diameter": 2.0 * PIN_RADIUS, "inner": 0.50, "outer": 0.20, "gap": 0.005}
-"""Dimensions of the pins, fraction of the pitch: diameter 0.20 to 0.22 (recalled); the others assumed, since
-no source has them."""
+"""Dimensions of the pins, fraction of the pitch: diameter 0.20 to 0.22 (remembered); the others assumed,
+since no source has them."""
 
 WORK_TO_STATE = ("payload", "reach", "digging", "wind_area")
 """Work settings that do not follow from the machine."""

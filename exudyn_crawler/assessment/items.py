@@ -13,7 +13,7 @@ NOT_KNOWN = "not known"
 
 
 class Source(NamedTuple):
-    """Source of an item, with its mark: S seen, D derived, R recalled."""
+    """Source of an item, with its mark: S seen, D derived, R remembered."""
 
     text: str
     mark: str

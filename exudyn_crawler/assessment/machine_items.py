@@ -23,7 +23,7 @@ IDLER = "2 T, T at rest and of the stalled drive"
 SLIGHT = 1e-6
 """Friction coefficient that counts as zero."""
 SAFETY_OF_CLAY = 2.0
-"""Safety factor against failure of the ground, 2 to 3 (recalled)."""
+"""Safety factor against failure of the ground, 2 to 3 (remembered)."""
 
 
 def pressure_items(

@@ -18,12 +18,12 @@ MANGANESE = Source("dry bores of manganese 40 to 80 MPa", "R")
 JOHNSON = Source("Johnson 1985, 4.2 and 9.1", "S")
 HARDENED = Source("hardened crawler rollers 6 to 10 MPa, 1.4 times as an exception", "R")
 SPECIFIC = 6e6
-"""Specific pressure of hardened steel crawler rollers, Pa: the least of 6 to 10 MPa (recalled; 4 to 6 MPa for
-cast manganese against alloy steel)."""
+"""Specific pressure of hardened steel crawler rollers, Pa: the least of 6 to 10 MPa (remembered; 4 to 6 MPa
+for cast manganese against alloy steel)."""
 YOUNGS_MODULUS = 210e9
 """Young's modulus of steel, Pa."""
 EXTREME = 1.4
-"""Factor on the allowed specific pressure in the third group (recalled)."""
+"""Factor on the allowed specific pressure in the third group (remembered)."""
 
 
 def chain_items(numbers: AssessmentNumbers, row: CaseLoads, _: AssessmentSettings) -> Iterator[AssessedItem]:

@@ -229,8 +229,9 @@ def _stepped(law: Law, plane: Floats, motion: Floats, step: Floats) -> Floats:
 def bearing_capacity(undrained_strength: float, footprint: Footprints) -> float:
     """Return the pressure (Pa) at which clay below one track fails: 5.14 c_u (1 + 0.2 b / L).
 
-    `undrained_strength` is c_u, Pa. Prandtl, with Skempton's shape factor (recalled). Crawler cranes in tests
-    reached up to 1.5 times this pressure (Liu, Chan and Gerbrandt, Canadian Geotechnical Journal, abstract).
+    `undrained_strength` is c_u, Pa. Prandtl, with Skempton's shape factor (remembered). Crawler cranes in
+    tests reached up to 1.5 times this pressure (Liu, Chan and Gerbrandt, Canadian Geotechnical Journal,
+    abstract).
     """
     short, long = sorted((footprint.width, footprint.length))
     return 5.14 * undrained_strength * (1.0 + 0.2 * short / long)
@@ -241,7 +242,7 @@ def mean_maximum_pressure(
 ) -> float:
     """Return the mean of the greatest pressures below the rollers of link tracks on soft ground, Pa.
 
-    MMP = 1.26 W / (2 n A_l b sqrt(p D)) (Rowland 1972, recalled), in kN, m and kPa.
+    MMP = 1.26 W / (2 n A_l b sqrt(p D)) (Rowland 1972, remembered), in kN, m and kPa.
 
     Parameters
     ----------

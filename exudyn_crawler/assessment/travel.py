@@ -34,8 +34,8 @@ class Compaction(NamedTuple):
 def sinkage_resistance(pressure: Numbers, law: Compaction, width: float) -> Numbers:
     """Return the compaction resistance (N) of both tracks: 2 b k z^(n+1) / (n + 1), k = k_c / b + k_phi.
 
-    `pressure` below the tracks, Pa; `width` b of the shoes, m. Bekker 1956 (recalled); the sinkage z is that
-    of the mean pressure.
+    `pressure` below the tracks, Pa; `width` b of the shoes, m. Bekker 1956 (remembered); the sinkage z is
+    that of the mean pressure.
     """
     modulus = law.k_c / width + law.k_phi
     sinkage = (np.maximum(pressure, 0.0) / modulus) ** (1.0 / law.exponent)

@@ -16,7 +16,7 @@ IN_SHEAR = 0.6
 """Shear strength of a pin, fraction of its tensile strength (EN 1993-1-8, table 3.10)."""
 GAMMA_M0 = 1.0
 GAMMA_M2 = 1.25
-"""Partial factors of EN 1993-1-8: M0 (recalled) and M2 (eurocode.us); M6,ser of contact in holes is 1."""
+"""Partial factors of EN 1993-1-8: M0 (remembered) and M2 (eurocode.us); M6,ser of contact in holes is 1."""
 LIGHT = 0.591
 """Factor of Hertz's line contact of a pin in its hole (EN 1993-1-8, eq. 3.15)."""
 
@@ -67,7 +67,7 @@ class PinStress(NamedTuple):
 def pin_moment(force: float, hinge: PinnedHinge) -> float:
     """Return the bending moment (N m) in the middle of a pin: M = F (b + 4 c + 2 a) / 8.
 
-    b inner width, a outer width and c gap (EN 1993-1-8, figure 3.11; formula recalled).
+    b inner width, a outer width and c gap (EN 1993-1-8, figure 3.11; formula remembered).
     """
     return force * (hinge.inner + 4.0 * hinge.gap + 2.0 * hinge.outer) / 8.0
 

@@ -10,7 +10,8 @@ from exudyn_crawler.settings.rows import read_rows
 
 KINDS = Path(__file__).with_name("pin_kinds.csv")
 RADIUS, LENGTH = 0.105, 0.6
-"""Radius of a pin and length of its bearing in pitches: diameter 0.20 to 0.22 (recalled), length assumed."""
+"""Radius of a pin and length of its bearing in pitches: diameter 0.20 to 0.22 (remembered), length
+assumed."""
 RUBBER = 4.7e5
 """Torsional stiffness of a rubber bush over the pitch cubed, N/(m2 rad) (assumed).
 

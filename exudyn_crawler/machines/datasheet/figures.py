@@ -18,7 +18,7 @@ CLOSE, OF_LENGTH = 0.03, 0.05
 MADE = "was built to it"
 """Verdict on a figure derived from the printed one."""
 LOSS = 0.05
-"""Total resistance of a slow excavator on firm ground, fraction of the weight (0.04 to 0.08, recalled)."""
+"""Total resistance of a slow excavator on firm ground, fraction of the weight (0.04 to 0.08, remembered)."""
 ON_GROUND = ("datasheet.length_on_ground", "datasheet.pitch", "datasheet.shoes", "datasheet.sprocket_gaps")
 """Values that determine the lengths of a track."""
 

@@ -19,7 +19,7 @@ def fit_of(chart: LiftChart, tipping_line: float) -> Fit:
     """Fit front and moment of a chart by least squares; `tipping_line` is its distance (m) to the swing axis.
 
     A load T at a radius R tips the machine about the line at x: ``T (R - x) = M - m R``, since the front, of
-    mass m, moves out with the radius. A chart prints a share of T (0.75 by ISO 10567, recalled).
+    mass m, moves out with the radius. A chart prints a share of T (0.75 by ISO 10567, remembered).
     """
     radius = np.array([point.radius for point in chart.points])
     load = np.array([point.load for point in chart.points]) / chart.tipping_share

@@ -16,7 +16,7 @@ KEY = "datasheet"
 TYPICAL = f"{KEY}.typical."
 FILE = "the file"
 """Source of values in a user's file."""
-RECALLED = "remembered: not seen in a source"
+REMEMBERED = "remembered: not seen in a source"
 OF_MESH = ("plate_depth", "grouser_height")
 """Typical values that a mesh replaces."""
 
@@ -34,19 +34,19 @@ def case_paths() -> dict[str, str]:
 
 
 def figure_entry(sheet: Datasheet, name: str) -> Entry:
-    """Return the entry of a datasheet's figure: given, of the library's machine, or recalled."""
+    """Return the entry of a datasheet's figure: given, of the library's machine, or remembered."""
     field = type(sheet).model_fields[name]
     value = getattr(sheet, name)
     machine = library.beginning(sheet)
-    recalled = name in sheet.remembered
+    is_remembered = name in sheet.remembered
     origin, how = Origin.GIVEN, sheet.source or FILE
     if machine is not None and getattr(machine.sheet, name) == value:
         origin, how = Origin.LIBRARY, machine.source
-        if recalled:
-            origin, how = Origin.ASSUMED, f"of the library's {machine.title}, {RECALLED}"
-    # values recalled of that machine are not those of this file
-    elif recalled and (machine is None or name not in machine.sheet.remembered):
-        origin, how = Origin.ASSUMED, RECALLED
+        if is_remembered:
+            origin, how = Origin.ASSUMED, f"of the library's {machine.title}, {REMEMBERED}"
+    # values remembered of that machine are not those of this file
+    elif is_remembered and (machine is None or name not in machine.sheet.remembered):
+        origin, how = Origin.ASSUMED, REMEMBERED
     elif machine is not None and sheet.source == machine.sheet.source:
         how = FILE
     return Entry(f"{KEY}.{name}", value, fields.unit_of(field), origin, how, field.description or "")

@@ -57,7 +57,7 @@ def loop_length(on_ground: float, diameter: float) -> float:
 def ground_length(on_ground: float, over_shoes: float, share: float) -> float:
     """Return the length in a printed ground pressure: C + share (L - C).
 
-    Source: ISO 16754 has a share of 0.35 (recalled); sheets of excavators have 0.30 to 0.42, dozers 0.
+    Source: ISO 16754 has a share of 0.35 (remembered); sheets of excavators have 0.30 to 0.42, dozers 0.
     """
     return on_ground + share * (over_shoes - on_ground)
 

@@ -15,7 +15,7 @@ from exudyn_crawler.results.history.history import History
 from exudyn_crawler.results.measured.series import distance_of
 
 CONCENTRATION = 4.0
-"""Froehlich's factor: 3 of an elastic body; by Soehne (Agricultural Engineering 39 (1958), recalled) 4 of
+"""Froehlich's factor: 3 of an elastic body; by Soehne (Agricultural Engineering 39 (1958), remembered) 4 of
 hard, 5 of firm and 6 of soft soil."""
 LEAST_DEPTH = 0.05  # least depth of a sensor below the surface, m; a smaller one needs too many panels
 PANEL_POINTS = 4  # Gauss points along a side of a panel; the side is at most the sensor's depth
