@@ -197,6 +197,15 @@ def mechanisms(results: Path) -> Iterator[tuple[str, float, str, str]]:
             yield f"{name}, known", row.known, row.unit, "closed form"
 
 
+def plays(results: Path) -> Iterator[tuple[str, float, str, str]]:
+    """Yield loads of links with play, and what their runs cost over those of ideal joints."""
+    for _, row in pd.read_csv(results / "play" / "play.csv").iterrows():
+        for column, value in row.drop(["motion", "joints"]).items():
+            kind = str(column).partition(",")[0]
+            unit = {"across": "kN", "moment": "kN m"}.get(kind, "1")
+            yield f"{row['motion']}, {row['joints']}: {column}", value, unit, "python -m studies play"
+
+
 def renew(results: Path) -> None:
     """Write `comparison.md` and the tables whose runs are in a folder of folders of runs."""
     if (results / "variants").is_dir():
@@ -207,6 +216,7 @@ def renew(results: Path) -> None:
         "order": ("order", orders),
         "pins": ("pins", pins),
         "mechanisms": ("mechanisms", mechanisms),
+        "play": ("play", plays),
     }
     for name, (folder, rows) in sources.items():
         if (results / folder).is_dir():

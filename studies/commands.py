@@ -324,6 +324,15 @@ def pins(out: Out = RESULTS / "pins", overwrite: Overwrite = False) -> None:
     typer.echo(f"the spectra are in {out / 'spectra.png'}")
 
 
+@command("python -m studies play")
+def play(out: Out = RESULTS / "play") -> None:
+    """Show what play of pins changes in side forces and moments of links, and what it costs (5 min)."""
+    from studies.play import study
+
+    table = study(out, typer.echo)
+    _show_tables(out, {"play": (table, "Links with play", ())})
+
+
 @command("python -m studies sliding-modes --out results/sliding_modes")
 def sliding_modes(
     runs: Annotated[bool, typer.Option("--runs", help="include the 10 s runs (ten minutes)")] = False,

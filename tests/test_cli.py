@@ -32,7 +32,7 @@ from tests.test_release import read
 STUDIES = {
     *("kinematics", "forces", "stress", "uneven", "rollers", "closed", "grounds", "shovel-life"),
     *("plate-sweep", "sliding-modes", "verify", "measurements", "library", "pins", "variants", "order"),
-    "mechanisms",
+    *("mechanisms", "play"),
 }
 COMMANDS = {
     *(
