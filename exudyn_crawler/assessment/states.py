@@ -117,10 +117,10 @@ def case_loads(numbers: AssessmentNumbers, cases: LoadCases, case: LoadCase) -> 
     worst = int(np.argmax(envelope.greatest))
     tilts = int(np.argmin(envelope.tilt))
     tips = int(np.argmin(envelope.margin)) if np.isfinite(envelope.margin).any() else tilts
-    needed, available, ends, pull = _travel(numbers, case, envelope)
+    travels = _travel(numbers, case, envelope)
     speed = 0.0 if case.drive == "none" else numbers.chain.speed
     mass = numbers.chain.weight / numbers.gravity
-    tension = chain.travel_tension(numbers.chain.rest, pull, mass, speed).taut
+    tension = chain.travel_tension(numbers.chain.rest, travels.chain_pull, mass, speed).taut
     loads = _rollers(numbers, case, envelope, tension)
     return CaseLoads(
         name=case.name,
@@ -145,9 +145,9 @@ def case_loads(numbers: AssessmentNumbers, cases: LoadCases, case: LoadCase) -> 
         roller=float(loads.max()),
         roller_loads=loads,
         distance=float(envelope.distance.min()),
-        needed=needed,
-        available=available,
-        ends=ends,
+        needed=travels.needed,
+        available=travels.available,
+        ends=travels.ends,
         tension=tension,
         side_force=_side_force(numbers, case, envelope),
         missing=_missing(numbers, case),
@@ -285,25 +285,51 @@ def _corner(numbers: AssessmentNumbers, weight: Floats, ahead: Floats, aside: Fl
     return np.asarray(corner)[:, None] * (ends[:, None] == np.arange(len(places)))
 
 
-def _travel(
-    numbers: AssessmentNumbers, case: LoadCase, envelope: _Envelope
-) -> tuple[float, float, str, float]:
-    """Return the pull of a track (needed, available), the end of the travel, and the pull of the chain, N."""
+class _Travel(NamedTuple):
+    """Pull of one track in a load case."""
+
+    needed: float
+    """Pull needed, N."""
+    available: float
+    """Lesser of the pulls of drive and ground, N."""
+    ends: str
+    """"goes", "stalls" or "slips"; nothing where it stands."""
+    chain_pull: float
+    """Greatest pull of the chain, N."""
+
+
+def _travel(numbers: AssessmentNumbers, case: LoadCase, envelope: _Envelope) -> _Travel:
+    """Return the pull of a track by the drive of a load case: none, straight, turn, stalled or blocked."""
     if case.drive == "none":
-        return 0.0, np.inf, "", 0.0
+        return _Travel(0.0, np.inf, "", 0.0)
+    pull = numbers.drive.pull
     stands = envelope.stands
     ground = numbers.ground
     area = numbers.footprints.area
+    # traction of a track in each state
     held = 0.5 * np.asarray(travel.traction(stands.weight, ground.friction, ground.cohesion, area))
-    pull = numbers.drive.pull
     if case.drive in ("stall", "blocked"):
-        return pull, min(pull, float(np.max(held))), "stalls", pull
+        return _Travel(pull, min(pull, float(np.max(held))), "stalls", pull)
+    # pull of a track that travels straight in each state
     straight = 0.5 * np.asarray(numbers.resistance.pull(stands.weight, -stands.push_ahead))
     if case.drive == "straight":
         worst = int(np.argmax(straight / np.minimum(pull, held)))
         needed, bears = float(straight[worst]), float(held[worst])
-        return needed, min(pull, bears), travel.ends_by(needed, pull, bears), float(straight.max())
-    needed = float(straight.max())
+        ends = travel.ends_by(needed, pull, bears)
+        return _Travel(needed, min(pull, bears), ends, float(straight.max()))
+    return _turn(numbers, envelope, float(straight.max()))
+
+
+def _turn(numbers: AssessmentNumbers, envelope: _Envelope, straight: float) -> _Travel:
+    """Return the pull of a track in a turn on the spot: that of travel (`straight`, N), and of the turn.
+
+    The turn is that of the greatest weight, with the foot of the resultant that is nearest to the middle
+    along the tracks.
+    """
+    stands = envelope.stands
+    ground = numbers.ground
+    area = numbers.footprints.area
+    pull = numbers.drive.pull
     weight = float(stands.weight.max())
     worst = int(np.argmin(np.abs(stands.ahead)))
     place = float(stands.ahead[worst]), float(stands.aside[worst])
@@ -316,7 +342,7 @@ def _travel(
         given = min(pull, float(strength))
         firm = weight + ground.cohesion * area / ground.friction
         lines = travel.turn_of_lines(firm, *numbers.footprints[1::-1], ground.friction)
-        return needed + lines.pull, given, "slips", given
-    needed += turn.pull
+        return _Travel(straight + lines.pull, given, "slips", given)
+    needed = straight + turn.pull
     # shoes slide in a turn: the ground gives all of the needed pull, and only the drive can be too weak
-    return needed, pull, travel.ends_by(needed, pull, np.inf), needed
+    return _Travel(needed, pull, travel.ends_by(needed, pull, np.inf), needed)
