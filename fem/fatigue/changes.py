@@ -166,12 +166,16 @@ def changes(ends: PassEnds, rates: Floats, most: float = np.inf) -> Changes:
 def _pair_ends(lows, highs, rates, most, first, where, often):
     """Write the events of places from `first` while there is room; return the next place and their number.
 
-    `lows` and `highs` (2 h, n) are the lowest and highest stresses of h histories, then their turns.
+    `lows` and `highs` (2 h, n) are the lowest and highest stresses of h histories, then their turns: index
+    k + h is history k with its turns in place of its extremes. At each place the highest remaining peak (of
+    history `top`) and the lowest remaining valley (of `bottom`) are paired at the lesser of their rates,
+    until no peak remains above a valley. An event (lower, higher, rate) is a cycle that appears, with the
+    valley of `lower` and the peak of `higher`, or, with a negative rate, one that vanishes.
     """
     both, n = lows.shape
     h = both // 2
     count = 0
-    # rates of remainders: whole passes, and passes without their valley or without their peak
+    # rates at which histories remain: whole passes, passes of which the peak, and of which the valley is left
     left = np.empty((3, both))
     for place in range(first, n):
         if count + EVENTS * PAIRS * both > often.shape[0]:
@@ -182,47 +186,48 @@ def _pair_ends(lows, highs, rates, most, first, where, often):
         left[WHOLE, :h] = rates
         changes_left = most
         for _ in range(PAIRS * both):
-            i = _outermost(high, low, left[WHOLE], left[PEAK], 1.0)
-            j = _outermost(low, high, left[WHOLE], left[VALLEY], -1.0)
-            if i < 0 or j < 0 or high[i] <= low[j]:
+            top = _outermost(high, low, left[WHOLE], left[PEAK], 1.0)
+            bottom = _outermost(low, high, left[WHOLE], left[VALLEY], -1.0)
+            if top < 0 or bottom < 0 or high[top] <= low[bottom]:
                 break
-            own = _holder(low, high, left[WHOLE], low[j], high[i])
+            own = _holder(low, high, left[WHOLE], low[bottom], high[top])
             if own >= 0:
                 # it closes this cycle alone, and others may follow at its start and end
                 if own < h:
                     left[WHOLE, own + h] += left[WHOLE, own]
                 left[WHOLE, own] = 0.0
                 continue
-            of_i = PEAK if left[PEAK, i] > 0.0 else WHOLE
-            of_j = VALLEY if left[VALLEY, j] > 0.0 else WHOLE
-            # the remainder of a pass closes a wider cycle with its own turn
-            alone_i = of_i == PEAK and low[i + h] <= low[j]
-            alone_j = of_j == VALLEY and high[j + h] >= high[i]
-            if alone_i:
-                left[PEAK, i] = 0.0
-            if alone_j:
-                left[VALLEY, j] = 0.0
-            if alone_i or alone_j:
+            peak_from = PEAK if left[PEAK, top] > 0.0 else WHOLE
+            valley_from = VALLEY if left[VALLEY, bottom] > 0.0 else WHOLE
+            # what is left of a pass closes with its own turn a cycle at least as wide: it is not paired
+            peak_stays = peak_from == PEAK and low[top + h] <= low[bottom]
+            valley_stays = valley_from == VALLEY and high[bottom + h] >= high[top]
+            if peak_stays:
+                left[PEAK, top] = 0.0
+            if valley_stays:
+                left[VALLEY, bottom] = 0.0
+            if peak_stays or valley_stays:
                 continue
-            rate = min(left[of_i, i], left[of_j, j], changes_left)
+            rate = min(left[peak_from, top], left[valley_from, bottom], changes_left)
             if rate <= 0.0:
                 break
             changes_left -= rate
-            left[of_i, i] -= rate
-            left[of_j, j] -= rate
-            events = [(j, i, rate)]
-            if of_i == PEAK:
-                events.append((i + h, i, -rate))
-            elif i < h:
-                left[VALLEY, i] += rate
-                events.append((i, i, -rate))
-                events.append((i, i + h, rate))
-            if of_j == VALLEY:
-                events.append((j, j + h, -rate))
-            elif j < h:
-                left[PEAK, j] += rate
-                events.append((j, j, -rate))
-                events.append((j + h, j, rate))
+            left[peak_from, top] -= rate
+            left[valley_from, bottom] -= rate
+            # the new cycle, and those that both histories closed, or their remainders, in its place
+            events = [(bottom, top, rate)]
+            if peak_from == PEAK:
+                events.append((top + h, top, -rate))
+            elif top < h:
+                left[VALLEY, top] += rate
+                events.append((top, top, -rate))
+                events.append((top, top + h, rate))
+            if valley_from == VALLEY:
+                events.append((bottom, bottom + h, -rate))
+            elif bottom < h:
+                left[PEAK, bottom] += rate
+                events.append((bottom, bottom, -rate))
+                events.append((bottom + h, bottom, rate))
             for lower, higher, each in events:
                 if high[higher] > low[lower]:
                     where[0, count] = place
