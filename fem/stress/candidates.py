@@ -171,20 +171,28 @@ def find_candidates(
     """
     # threads gain nothing in products of this size: they would wait for each other thousands of times
     with threadpool_limits(1, user_api="blas"):
-        return _searched(shapes, rows, ranked, tolerance)
+        return _bounds(shapes, rows, ranked, tolerance)
 
 
-def _searched(shapes: ScaledShapes, rows: Floats, ranked: NDArray[np.bool_], tolerance: float) -> Candidates:
+def _bounds(shapes: ScaledShapes, rows: Floats, ranked: NDArray[np.bool_], tolerance: float) -> Candidates:
+    """Return the bounds of all cells, see `find_candidates`.
+
+    Each block of times keeps a few directions of the coordinates (`_along_few`), so that stresses are known
+    but for an error: a node's length times that of the block. A cell's greatest length of stress, more or
+    less this error, bounds its greatest stress; the same holds for the least stress and for groups of nodes.
+    """
     n, components, _ = shapes.singles.shape
     times = len(rows)
     coordinates = shapes.into @ rows.T
     instant = coordinates[:, np.linalg.norm(coordinates, axis=0).argmax()]
+    # stress that the tolerance is a fraction of: the highest at the time of the largest coordinates
     highest = float(np.linalg.norm(shapes.singles @ instant.astype(np.float32), axis=1).max())
     widest = max(float(shapes.lengths.max()), np.finfo(float).tiny)
     starts = range(0, times, TIMES)
     blocks = [
         _along_few(coordinates[:, start : start + TIMES], tolerance * highest / widest) for start in starts
     ]
+    # directions of all blocks side by side, multiplied in one product and split at `ends`
     turns = np.concatenate([block.directions for block in blocks], axis=1)
     ends = np.cumsum([block.directions.shape[1] for block in blocks])
     error_at = np.repeat([block.error for block in blocks], [block.amplitudes.shape[1] for block in blocks])
@@ -214,6 +222,7 @@ def _searched(shapes: ScaledShapes, rows: Floats, ranked: NDArray[np.bool_], tol
                 least[of, of_cells],
                 node_upper[in_groups, start:stop],
             )
+        # of these nodes the arrays have squared lengths up to here, and bounds from here on
         off = np.outer(shapes.lengths[of], error_at[::CELL])
         length = np.sqrt(upper[of])
         lower[of] = (length - off).max(axis=1)
@@ -226,6 +235,7 @@ def _searched(shapes: ScaledShapes, rows: Floats, ranked: NDArray[np.bool_], tol
         length = np.sqrt(node_upper[in_groups])
         np.maximum(node_lower, (length - off).max(axis=0), out=node_lower)
         node_upper[in_groups] = length + off
+    # groups without a ranked node have no candidate
     node_upper[~np.logical_or.reduceat(ranked, range(0, n, CELL))] = -np.inf
     bound = shapes.lengths * error_at.max()
     return Candidates(upper, lower, least, least_upper, node_upper, node_lower, bound)
