@@ -22,6 +22,8 @@ GUIDES = 0.1  # stiffness of the flanges over that of a tread
 SOFT = 0.1  # compliance of a pin across the chain over that of a tread
 LAG = 0.1  # lag of the sprocket at 0.7 of its torque limit, fraction of its speed
 LEAST_FRAME = 1e-3  # least mass of a side frame, fraction of the operating weight
+WITHOUT_BUSHES = ("shovel", "vehicle")
+"""Kinds of machines whose sprockets drive lugs of the shoes, not bushes about their front pins."""
 FADING = 0.05  # speed at which rolling resistance has 0.7 of its value, fraction of the chain's speed
 
 
@@ -58,7 +60,14 @@ def gear_of(sheet: Datasheet, chain: Chain, shoe: Shoe, track: Track) -> tuple[M
     tumbler = _tumbler(sheet, chain, track, place, sprocket, contacts)
     flanks = Ruled(tumbler.reach, "" if tumbler.reach == place.reach else "flanks")
     mass = Ruled(sprocket, "solid" if sprocket < typical else "")
-    ruled = {"gear.tumbler.reach": flanks, "gear.tumbler.mass": mass, **place.ruled, **parts.ruled}
+    ruled = {
+        "track.pin.kind": Ruled(track.pin.kind, track.pin.kind),
+        "gear.tumbler.reach": flanks,
+        "gear.tumbler.mass": mass,
+        "gear.tumbler.lugs": Ruled(tumbler.lugs, "bushes" if tumbler.lugs else ""),
+        **place.ruled,
+        **parts.ruled,
+    }
     gear = Machine(
         mass=parts.frame - sum(bogie.mass for bogie in bogies),
         inertia=parts.frame_inertia,
@@ -147,6 +156,7 @@ def _tumbler(
         reach=place.reach,
         flank=sheet.typical_value("flank"),
         lug_radius=place.bush,
+        lugs=() if sheet.kind in WITHOUT_BUSHES else ((track.pin_ahead, track.pin_height),),
         stiffness=contacts.tooth,
         damping=contacts.tread_damping,
         damping_depth=DAMPED_DEPTH * chain.pitch,

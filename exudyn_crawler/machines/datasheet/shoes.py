@@ -1,13 +1,17 @@
 """Shoe and chain of a datasheet: plate and link scaled by the pitch, with derived or printed weight."""
 
+import math
+
 import numpy as np
 
+from exudyn_crawler.case.parameters.pin import LinkPin, PinKind
 from exudyn_crawler.case.parameters.track import Rails, Shoe, Track
-from exudyn_crawler.machines.datasheet import rules
+from exudyn_crawler.machines.datasheet import rules, travel
 from exudyn_crawler.machines.datasheet.chain import Chain
 from exudyn_crawler.machines.datasheet.sheet import Datasheet
 from exudyn_crawler.machines.datasheet.shoe_mesh import MeshShoe
 
+FADING = 0.1  # turning rate of a hinge with 0.7 of the friction over the rate of the sprocket
 RAIL_SHARE = 0.98  # length of a rail over the pitch, so that neighbours do not overlap
 
 
@@ -56,6 +60,17 @@ def shoe_of(sheet: Datasheet, chain: Chain, of_mesh: MeshShoe | None = None) -> 
     )
 
 
+def pin_of(sheet: Datasheet, chain: Chain) -> LinkPin:
+    """Return the pins of the chain by the kind of machine; those of shovels have no friction.
+
+    Pins of cast shoes run dry, with millimetres of play. Their friction without this play would hold the sag
+    of the chain, whose tension then rises several times as a shoe comes on to the tumbler.
+    """
+    usual: dict[str, PinKind] = {"shovel": "ideal", "dozer": "sealed", "vehicle": "rubber"}
+    rate = travel.run_speed(sheet) / (chain.built_gaps * chain.pitch / (2.0 * math.pi))
+    return LinkPin(kind=usual.get(sheet.kind, "greased"), friction_rate=FADING * rate)
+
+
 def track_of(sheet: Datasheet, chain: Chain, shoe: Shoe, of_mesh: MeshShoe | None = None) -> Track:
     """Return the chain of both tracks; its pins are those of a mesh, or end at the rails' middles."""
     right = -0.5 * sheet.track_gauge
@@ -68,6 +83,7 @@ def track_of(sheet: Datasheet, chain: Chain, shoe: Shoe, of_mesh: MeshShoe | Non
             pin_height=of_mesh.pin_height,
             spherical_y=right + of_mesh.joint_y[0],
             parallel_y=right + of_mesh.joint_y[1],
+            pin=pin_of(sheet, chain),
         )
     rails = shoe.roller_path
     return Track(
@@ -78,4 +94,5 @@ def track_of(sheet: Datasheet, chain: Chain, shoe: Shoe, of_mesh: MeshShoe | Non
         pin_height=chain.tips - shoe.com_height,
         spherical_y=right + rails.right,
         parallel_y=right + rails.left,
+        pin=pin_of(sheet, chain),
     )
