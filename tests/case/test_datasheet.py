@@ -91,6 +91,28 @@ def test_sprocket_in_front_turns_the_machine_round():
     assert front.drive.speed.values[-1] == -rear.drive.speed.values[-1]
 
 
+@pytest.mark.parametrize(
+    ("kind", "pins"), [("excavator", "greased"), ("dozer", "sealed"), ("shovel", "ideal")]
+)
+def test_pins_are_those_of_the_kind_of_machine_and_marked_assumed(kind, pins):
+    machine = derived(Datasheet(**(PC300 | {"kind": kind, "speed": 0.5})))
+    case = machine.case
+    assert case.track.pin.kind == pins
+    # a tenth of the rate at which the sprocket turns
+    assert case.track.pin.friction_rate == pytest.approx(
+        0.05 / case.gear.tumbler.radius(case.track.pitch), rel=0.02
+    )
+    entry = next(entry for entry in machine.ledger if entry.path == "track.pin.kind")
+    assert entry.value == pins
+    assert entry.origin == "assumed"
+
+
+def test_bushes_are_about_the_front_pins_of_chains_that_have_bushes():
+    case = derived(Datasheet(**PC300)).case
+    assert case.gear.tumbler.lugs == ((case.track.pin_ahead, case.track.pin_height),)
+    assert derived(Datasheet(**(PC300 | {"kind": "shovel"}))).case.gear.tumbler.lugs == ()
+
+
 def test_tension_asked_for_is_that_of_the_idler():
     assert derived(Datasheet(**PC300, sag=0.02)).case.gear.idler.sag == 0.02
     assert derived(Datasheet(**PC300, chain_tension=5e4)).case.gear.idler.pretension == 5e4

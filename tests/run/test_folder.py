@@ -63,7 +63,8 @@ def kept(tmp_path_factory):
 
 
 def test_a_folder_keeps_what_its_results_come_from(kept):
-    names = {"case.toml", "run.json", "run.log", "history.nc", "forces.nc", "extremes.csv", "loads.csv"}
+    names = {"case.toml", "run.json", "run.log", "history.nc", "forces.nc"}
+    names |= {"extremes.csv", "loads.csv", "drive_work.csv"}
     assert visible(kept) == names
     assert read_case(kept / "case.toml") == SHORT
     found = record(kept)

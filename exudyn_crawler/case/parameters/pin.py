@@ -67,7 +67,7 @@ class LinkPin(Parameters):
         "1", "coefficient of friction; none: by the kind", (0.002, 0.6), default=None
     )
     friction_rate: base.Speed = quantity(
-        "rad/s", "turning rate of the hinge at which there is 0.7 of the friction", (1e-3, 0.5), default=0.1
+        "rad/s", "turning rate of the hinge at which there is 0.7 of the friction", (1e-3, 10.0), default=0.1
     )
     stiffness: float | None = quantity(
         "N m/rad",
