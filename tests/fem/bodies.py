@@ -6,6 +6,7 @@ import numpy as np
 from skfem import Basis, ElementTetP2, MeshTet
 
 import fem
+from fem.body.interfaces import Spider
 from meshes import STEEL
 
 DOWN = np.array([0.0, 0.0, -386.4e3])
@@ -37,7 +38,9 @@ def box_mesh(
     return fem.Mesh(points, elements, {})
 
 
-def tube(inner: float, outer: float, angle: float, graded: bool = False):
+def tube(
+    inner: float, outer: float, angle: float, graded: bool = False
+) -> Callable[[np.ndarray], np.ndarray]:
     """Map a box of unit sides to a sector of a tube: x to radius, y to angle, z kept.
 
     A graded tube has its elements' sizes grow with the radius.
@@ -64,9 +67,9 @@ def beam_body(elements: int) -> fem.ElasticBody:
     return fem.ElasticBody(mesh.with_surfaces(ends), STEEL)
 
 
-def beam_interfaces(body: fem.ElasticBody, spider: str = "rigid") -> list[fem.Interface]:
+def beam_interfaces(body: fem.ElasticBody, spider: Spider = "rigid") -> list[fem.Interface]:
     nodes = body.mesh.nodes_of
-    return [fem.Interface(name, (x, 0.05, 0.05), nodes(name), spider) for name, x in ENDS.items()]
+    return [fem.Interface(name, np.array([x, 0.05, 0.05]), nodes(name), spider) for name, x in ENDS.items()]
 
 
 def static_stress(
