@@ -89,7 +89,6 @@ def lap(history: History) -> dict[str, float]:
     row["drive in kW"] = powers[drive_work.DRIVE]
     row["pins in kW"] = powers.get("pins", 0.0)
     late = history.dataset.isel(time=history.time >= START)
-    late = history.dataset.isel(time=history.time >= START)
     row["torque in kN m"] = 1e-3 * abs(float(late.drive_moment.mean()))
     row["greatest tension in kN"] = 1e-3 * float(late_tension(history).max())
     for name, frequency, density in densities(history):
