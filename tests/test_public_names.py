@@ -2,8 +2,11 @@
 
 import importlib
 import inspect
+import os
+import re
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 
@@ -13,6 +16,8 @@ import meshes
 from exudyn_crawler.case_run import CaseRun
 from exudyn_crawler.results.life.life import LifeResults
 from exudyn_crawler.results.stress.recovery import StressResults
+
+USERS = Path(__file__).with_name("user_script.py")
 
 
 @pytest.mark.parametrize("name", exudyn_crawler.__all__)
@@ -38,6 +43,52 @@ def test_names_of_finite_elements_and_meshes_are_there_and_in_completion(package
     assert modules == ({"trust"} if package is fem else set())
     with pytest.raises(AttributeError, match="attribute gravity"):
         _ = package.gravity
+
+
+@pytest.mark.parametrize("package", [exudyn_crawler, fem, meshes], ids=lambda package: package.__name__)
+def test_type_checkers_find_the_types_of_a_package_and_its_stub_names_what_all_does(package):
+    init = Path(package.__file__)
+    assert init.with_name("py.typed").is_file()
+    stub = init.with_suffix(".pyi").read_text(encoding="utf-8")
+    assert sorted(re.findall(r"(?m)^from \S+ import (\w+) as \1$", stub)) == package.__all__
+
+
+def checked_by_mypy(script, tmp_path):
+    """Return what mypy says of a script in a folder that knows the packages only as installed ones."""
+    place = str(Path(exudyn_crawler.__file__).parents[1])
+    command = [
+        sys.executable,
+        "-m",
+        "mypy",
+        "--strict",
+        "--config-file",
+        "",
+        "--cache-dir",
+        str(tmp_path / "cache"),
+    ]
+    return subprocess.run(
+        [*command, script.name],
+        cwd=tmp_path,
+        env={**os.environ, "PYTHONPATH": place},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+
+
+@pytest.mark.simulation
+def test_a_users_script_is_right_in_types_and_a_wrong_one_is_told(tmp_path):
+    text = USERS.read_text(encoding="utf-8")
+    script = tmp_path / "mine.py"
+    script.write_text(text, encoding="utf-8")
+    done = checked_by_mypy(script, tmp_path)
+    assert done.returncode == 0, done.stdout + done.stderr
+    wrong = text.replace(
+        "simulate(Case.translation(), duration=0.01)", 'simulate("translation", duration=[])'
+    )
+    assert wrong != text
+    script.write_text(wrong, encoding="utf-8")
+    assert checked_by_mypy(script, tmp_path).stdout.count("[arg-type]") == 2
 
 
 @pytest.mark.parametrize("name", ["exudyn_crawler", "fem", "meshes"])
