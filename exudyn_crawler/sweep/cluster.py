@@ -90,7 +90,9 @@ def _workers(address: str, count: int) -> Iterator[None]:
 
     Raises OSError if the command cannot be started.
     """
-    command = [sys.executable, "-m", "distributed.cli.dask_worker", address, "--no-dashboard"]
+    command = [sys.executable, "-m", "distributed.cli.dask_worker", address]
+    # else workers listen to all computers, whose pickles they would run
+    command += ["--host", "127.0.0.1", "--dashboard-address", "127.0.0.1:0", "--no-dashboard"]
     command += ["--nworkers", str(count), "--nthreads", "1", "--preload-nanny", with_parent.__name__]
     environment = os.environ | {"NUMBA_NUM_THREADS": "1", "DASK_LOGGING__DISTRIBUTED": "critical"}
     environment["PYTHONPATH"] = os.pathsep.join(sys.path)  # what the script can import, its tasks can, too

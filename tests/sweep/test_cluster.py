@@ -16,6 +16,7 @@ from pathlib import Path
 from urllib.parse import urlsplit
 
 import dask
+import psutil
 import pytest
 from distributed import Client, LocalCluster, get_client
 
@@ -67,6 +68,21 @@ def settings_of_the_process():
         "levels": {name: logging.getLogger(name).level for name in ("", "distributed", "bokeh")},
         "hooks": (sys.excepthook, sys.stdout, sys.stderr, warnings.showwarning),
     }
+
+
+@pytest.mark.simulation
+def test_processes_of_a_sweep_on_this_machine_are_not_reached_from_others(tmp_path):
+    with connected(None, 1, tmp_path, lambda _text: None):
+        own = psutil.Process()
+        reached = [
+            connection.laddr.ip
+            for process in (own, *own.children(recursive=True))
+            for connection in process.net_connections()
+            if connection.status == psutil.CONN_LISTEN
+        ]
+    # scheduler, nanny and worker, those of the dashboards beside them
+    assert len(reached) >= 3
+    assert set(reached) == {"127.0.0.1"}
 
 
 @pytest.mark.slow
