@@ -23,7 +23,7 @@ from exudyn_crawler.ground.cells.laws.bekker import BekkerSoil
 from exudyn_crawler.machines.datasheet import typical
 from exudyn_crawler.machines.datasheet.sheet import Datasheet
 from exudyn_crawler.origins import Ruled
-from exudyn_crawler.results.wear.closed_form import Bends, bends_of
+from exudyn_crawler.results.wear.closed_form import Bends, bends_of, pin_drag
 from meshes.geometry import PITCH, ShoeDimensions
 
 RISE = 5e-3
@@ -87,6 +87,8 @@ class ChainNumbers(NamedTuple):
     """Greatest speed of the case, m/s."""
     idler_drag: float
     """Resistance of an idler that both runs pull at rest, N."""
+    pin_drag: float
+    """Resistance by the losses of the pins with the tension at rest, N."""
     rises: tuple[float, float]
     """Rise over run of the chain from the outer roller to tumbler and to idler."""
     bends: Bends
@@ -170,7 +172,7 @@ class AssessmentNumbers(NamedTuple):
         """Resistance to straight travel."""
         ground = self.ground
         return travel.TravelResistance(
-            ground.rolling, self.chain.idler_drag, self.footprints, ground.compaction
+            ground.rolling, self.chain.idler_drag, self.chain.pin_drag, self.footprints, ground.compaction
         )
 
 
@@ -402,7 +404,10 @@ def _chain(
     rises = tuple(max(wheel.lift, 0.0) / run for wheel, run in zip(ends, runs, strict=True))
     shoes = case.track.shoe_count // case.gear.tracks
     bends = bends_of(case)
-    numbers = ChainNumbers(weight, pitch, shoes, rest, breaking, speed, drag, (rises[0], rises[1]), bends)
+    of_pins = pin_drag(case, rest)
+    numbers = ChainNumbers(
+        weight, pitch, shoes, rest, breaking, speed, drag, of_pins, (rises[0], rises[1]), bends
+    )
     return numbers, {"drive.rest_tension": of_rest, "drive.breaking_tension": of_breaking}
 
 

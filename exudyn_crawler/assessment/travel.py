@@ -49,6 +49,8 @@ class TravelResistance(NamedTuple):
     """Rolling resistance f of chain, rollers and ground over the force on the ground."""
     idler: float
     """Friction of an idler that both runs pull at rest, N."""
+    pins: float
+    """Resistance of a chain by the losses of its pins with the tension at rest, N."""
     footprints: Footprints
     compaction: Compaction | None = None
 
@@ -62,7 +64,7 @@ class TravelResistance(NamedTuple):
         if self.compaction is not None:
             pressure = load / self.footprints.area
             sinks = sinkage_resistance(pressure, self.compaction, self.footprints.width)
-        return against + self.rolling * load + 2.0 * self.idler + sinks
+        return against + self.rolling * load + 2.0 * (self.idler + self.pins) + sinks
 
     def on_grade(self, weight: float, slope: Numbers) -> Numbers:
         """Return the pull (N) of both tracks for a weight (N) up a slope (rad)."""
@@ -72,7 +74,8 @@ class TravelResistance(NamedTuple):
     def formula(self) -> str:
         """Formula of the pull of both tracks."""
         sinks = "" if self.compaction is None else " + 2 b k z^(n+1) / (n + 1)"
-        return f"V (sin a + f cos a) + 4 T f of the idlers{sinks}"
+        pins = " + 2 W / p of the pins" if self.pins else ""
+        return f"V (sin a + f cos a) + 4 T f of the idlers{pins}{sinks}"
 
 
 def traction(load: Numbers, friction: float, cohesion: float = 0.0, area: float = 0.0) -> Numbers:

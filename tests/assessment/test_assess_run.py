@@ -225,7 +225,8 @@ def test_straight_travel_beside_a_run(tmp_path, told):
     # three shoes pass the tumbler
     history = simulate(case, 12.6, progress=False)
     numbers = numbers_of(case, BARE.with_(drive={"rest_tension": 261e3}))
-    resistance = travel.TravelResistance(0.03, numbers.chain.idler_drag, numbers.footprints)
+    chain = numbers.chain
+    resistance = travel.TravelResistance(0.03, chain.idler_drag, chain.pin_drag, numbers.footprints)
     needed = resistance.pull(numbers.weight) / 2.0
     run = run_forces.forces_of_run(history, "straight")
     assert run.torque == pytest.approx(needed * numbers.drive.radius, rel=0.1)

@@ -371,6 +371,7 @@ def test_a_case_file_with_all_values_is_that_of_a_machine(tmp_path, acts):
 def test_one_resistance_for_all_items_of_travel():
     """An excavator on sand: pull on the level and up the limits of both grades, power, turn."""
     case = read_case(library.machines()["pc300lc"]).case
+    case = case.with_({"gear.rolling_resistance": 0.03, "track.pin.kind": "ideal"})
     settings = AssessmentSettings(mesh=None, drive={"power": 50e3})
     found = assessment_of(case, settings)
     numbers = found.numbers

@@ -111,6 +111,7 @@ def random_machine(rng):
             breaking=rng.uniform(0.5, 2.0) * weight,
             speed=rng.uniform(0.2, 3.0),
             idler_drag=2.0 * rolling * rest,
+            pin_drag=rng.uniform(0.0, 0.01) * weight,
             rises=tuple(rng.uniform(0.0, 0.5, 2)),
             bends=Bends(2.0 * np.arcsin(1.0 / 3.0), 2.0 * np.arctan(pitch / (0.3 * gauge))),
         ),
@@ -370,7 +371,7 @@ def tilts(numbers, found):
 
 
 def work_of_a_metre(numbers, weight, against):
-    """Work (J) of a metre of travel: against forces along the ground, rolling, idlers and into the ground."""
+    """Work (J) of a metre of travel: against forces on the ground, rolling, idlers, pins and into it."""
     ground = numbers.ground
     sunk = np.zeros_like(weight)
     if (law := ground.compaction) is not None:
@@ -381,7 +382,9 @@ def work_of_a_metre(numbers, weight, against):
             depth = brentq(lambda z: modulus * z**law.exponent - pressure, 0.0, 10.0, xtol=1e-14)  # noqa: B023
             into, _ = quad(lambda z: modulus * z**law.exponent, 0.0, depth)
             np.atleast_1d(sunk)[state] = 2.0 * width * into
-    return against + ground.rolling * weight + 2.0 * numbers.chain.idler_drag + sunk
+    return (
+        against + ground.rolling * weight + 2.0 * (numbers.chain.idler_drag + numbers.chain.pin_drag) + sunk
+    )
 
 
 def pull_of_turn(numbers, weight, ahead, aside, friction):

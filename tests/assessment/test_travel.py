@@ -59,11 +59,11 @@ def test_cohesion_adds_to_the_friction_of_a_turn():
 
 
 def test_straight_and_uphill():
-    """10 % grade, f = 0.05 and 2 kN of each idler on 1 MN, with sinkage in 5 m2: b p^2 / k of p = k z."""
+    """10 % grade, f = 0.05, 2 kN of each chain (idler, pins), sinkage in 5 m2: b p^2 / k of p = k z."""
     slope = np.arctan(0.1)
     footprints = Footprints(3.0, 5.0, 0.5)
     law = travel.Compaction(0.0, 1e6, 1.0)
-    sinks = travel.TravelResistance(0.05, 2e3, footprints, law)
+    sinks = travel.TravelResistance(0.05, 1.5e3, 0.5e3, footprints, law)
     firm = sinks._replace(compaction=None)
     by_hand = 1e6 * (0.1 + 0.05) / np.hypot(1.0, 0.1) + 4e3
     assert firm.on_grade(1e6, slope) == pytest.approx(by_hand)
@@ -74,7 +74,7 @@ def test_straight_and_uphill():
         assert travel.greatest_slope(resistance, 1e6, lambda _, pull=needed: pull) == pytest.approx(slope)
         assert travel.greatest_slope(resistance, 1e6, lambda _: 2e6) == 0.5 * np.pi
         assert travel.greatest_slope(resistance, 1e6, lambda _: 5e4) == 0.0
-    ground = travel.greatest_slope(firm._replace(idler=0.0), 1e6, lambda load: 0.5 * load)
+    ground = travel.greatest_slope(firm._replace(idler=0.0, pins=0.0), 1e6, lambda load: 0.5 * load)
     assert np.tan(ground) == pytest.approx(0.45)
 
 

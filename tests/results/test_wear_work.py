@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from scipy.integrate import quad
 
 from exudyn_crawler import StepProfile, simulate
 from exudyn_crawler.case import Drive
@@ -14,7 +15,9 @@ from exudyn_crawler.results.wear.closed_form import (
     GrowthLimit,
     WheelTensions,
     bends,
+    bends_of,
     growth_limits,
+    pin_drag,
     pin_work,
     take_up_of,
 )
@@ -75,6 +78,23 @@ def travels():
     speed = Drive(speed=StepProfile(times=(0.0, 0.05), values=(0.0, 0.6)))
     case = derived(SHEET).case.with_({"solver.output_interval": 0.002}, drive=speed)
     return simulate(case, 0.1, progress=False)
+
+
+def test_pins_resist_by_their_work_in_a_lap():
+    """Greased pins by the closed form; rubber by half a cycle of Reid's law at each bend on and off."""
+    case = derived(SHEET).case
+    pitch = case.track.pitch
+    tumbler, idler = bends_of(case)
+    greased = 0.12 * 2.0 * (tumbler + idler) * 0.105 * pitch * 4e4 / pitch
+    assert pin_drag(case, 4e4) == pytest.approx(greased)
+    law = case.with_({"track.pin.kind": "rubber"}).track.pin.law(pitch)
+    twisted = sum(
+        2.0 * quad(lambda angle: 0.5 * np.pi * law.loss * law.stiffness * angle, 0.0, bend)[0]
+        for bend in (tumbler, idler)
+    )
+    rubber = case.with_({"track.pin.kind": "rubber"})
+    assert pin_drag(rubber, 4e4) == pytest.approx(twisted / pitch)
+    assert pin_drag(case.with_({"track.pin.kind": "ideal"}), 4e4) == 0.0
 
 
 def test_load_times_way_of_all_wheels_is_that_of_all_shoes(travels):

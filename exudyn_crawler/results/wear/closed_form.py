@@ -53,6 +53,20 @@ def pin_work(radius: float, angles: Bends, tensions: WheelTensions) -> float:
     return radius * (at_tumbler + angles.idler * (tensions.idler_above + tensions.idler_below))
 
 
+def pin_drag(case: Case, tension: float) -> float:
+    """Return the resistance (N) to the motion of a chain by the losses of its pins, with one tension (N).
+
+    ``mu r (2 a_t T + 2 a_i T) / p``, and of rubber bushes ``pi / 2 eta k (a_t^2 + a_i^2) / p`` by Reid's law
+    (`model.joints.friction`): what each pin takes in a lap, at the bends over tumbler and idler alone.
+    """
+    pitch = case.part(Closed).chain_pitch(case.track)
+    law = case.track.pin.law(case.track.pitch)
+    angles = bends_of(case)
+    rubbed = pin_work(law.lever, angles, WheelTensions(*[tension] * 4))
+    twisted = 0.5 * math.pi * law.loss * law.stiffness * (angles.tumbler**2 + angles.idler**2)
+    return (rubbed + twisted) / pitch
+
+
 def take_up_of(growth: float, shoes: int, pitch: float) -> float:
     """Return the take-up (m) for a growth of the pitch (m): half of that of the chain, N p g / 2."""
     return 0.5 * shoes * pitch * growth
