@@ -16,7 +16,9 @@ from exudyn_crawler import Case, CaseFile, History, StepProfile, read_case, simu
 from exudyn_crawler.case import Drive
 from exudyn_crawler.files import writable_folder
 from exudyn_crawler.ground.cells.laws.bekker import BekkerSoil
+from exudyn_crawler.ground.cells.laws.rock import RockFloor
 from exudyn_crawler.machines.datasheet.library import machines
+from exudyn_crawler.results import drive_work
 from exudyn_crawler.results.history.tension import roller_clearances
 from exudyn_crawler.results.measured import drawbar
 from exudyn_crawler.results.measured.soil_fit import fit_plates
@@ -37,6 +39,7 @@ SPEED = 0.5  # m/s, chain speed in drawbar tests
 SLIP = 0.2  # slip of Turnage's pulls
 SECOND_WHEEL = 9.5, 15.9
 """Clearance of an M113's upper run above its second road wheel, mm; TM 9-2350-247-10, p. 0058 00-3."""
+STARTED = 1.0  # s, end of the rise of the speed of a machine from a datasheet
 TOUCHES = 0.1  # mm, clearance below which the run lies on a wheel
 
 
@@ -156,6 +159,53 @@ def adjustment_trend(say: Callable[[str], None]) -> Trend:
     )
 
 
+class Resisted(NamedTuple):
+    """Run of an M113 on a hard floor."""
+
+    pins: str
+    speed: float  # km/h
+    pretension: float | None = None  # N; none: that of its manual
+
+
+RESISTED = {
+    "slow": Resisted("rubber", 5.0),
+    "fast": Resisted("rubber", 20.0),
+    "slack": Resisted("rubber", 5.0, 12e3),
+    "needles": Resisted("needles", 5.0),
+}
+"""Speeds of the classes of pins in Wong's book (remembered), their pins, and half of the pretension."""
+
+
+def motion_resistance(run: Resisted) -> float:
+    """Return the mean pull of an M113's drive over the weight, at constant speed and without inertia."""
+    file = read_case(machines()["m113"], [f"datasheet.speed={run.speed / 3.6}"])
+    case = file.case.on_cells(RockFloor.hard_floor()).with_({"track.pin.kind": run.pins})
+    if run.pretension is not None:
+        case = case.with_({"gear.idler.pretension": run.pretension})
+    history = simulate(case, STARTED + 2.0, progress=False)
+    power = drive_work.drive_work(history).set_index("where")[drive_work.POWER]
+    late = history.side_frame_position.sel(axis="x", time=history.time >= STARTED)
+    speed = abs(float((late[-1] - late[0]) / (late.time[-1] - late.time[0])))
+    mass = sum(part.mass for part in case.gear.frame_parts) + case.track.shoe_count * case.shoe.mass
+    return float(1e3 * (power[drive_work.DRIVE] - power["inertia"]) / (speed * mass * case.gravity))
+
+
+def resistance_trend(say: Callable[[str], None]) -> Trend:
+    """Compare the motion resistance of the library's M113 on hard ground by speed, pretension and pins."""
+    found = {}
+    for name, run in RESISTED.items():
+        found[name] = motion_resistance(run)
+        say(f"M113, {name} ({run.pins}, {run.speed:g} km/h): resistance {found[name]:.4f} of the weight")
+    return Trend(
+        "motion resistance of tracked vehicles on hard ground over their weight",
+        "0.024 at 5 km/h, 0.029 at 20 (mean of vehicles); 0.046 and 0.049 with pins in rubber, 0.026 with "
+        "needle bearings at 5; it grows with the speed",
+        f"{found['slow']:.3f} and {found['fast']:.3f} with rubber, {found['needles']:.3f} with needles; "
+        f"{found['slack']:.3f} with rubber and half of the pretension",
+        found["needles"] < found["slow"] < found["fast"] and found["slack"] < found["slow"],
+    )
+
+
 def pull_at_slip(case: Case) -> tuple[float, float]:
     """Return the pull at `SLIP` of a case in a drawbar test, N, and as a fraction of the weight."""
     test = drawbar.pulled_case(CaseFile(case=case, duration=1.0), drawbar.DrawbarTest((SLIP,)))
@@ -205,7 +255,7 @@ def study(
     rows = compare_plates()
     trends = [wheel_trend()]
     if runs:
-        trends += [adjustment_trend(say), tension_trend(say), *pull_trends(say)]
+        trends += [adjustment_trend(say), resistance_trend(say), tension_trend(say), *pull_trends(say)]
     table = pd.DataFrame(trends)
     save(out, comparison=rows, trends=table)
     return rows, table
