@@ -107,6 +107,13 @@ def test_pins_are_those_of_the_kind_of_machine_and_marked_assumed(kind, pins):
     assert entry.origin == "assumed"
 
 
+def test_states_of_fast_chains_are_stored_often_enough_for_peaks_of_links():
+    case = derived(Datasheet(**(PC300 | {"speed": 0.5}))).case
+    assert case.solver.output_interval == pytest.approx(0.01, rel=0.05)
+    fast = derived(Datasheet(**(PC300 | {"speed": 3.0}))).case
+    assert fast.solver.output_interval == pytest.approx(fast.track.pitch / 60.0, rel=0.15)
+
+
 def test_bushes_are_about_the_front_pins_of_chains_that_have_bushes():
     case = derived(Datasheet(**PC300)).case
     assert case.gear.tumbler.lugs == ((case.track.pin_ahead, case.track.pin_height),)

@@ -77,7 +77,7 @@ def _derived(printed: Datasheet) -> Derived:
         contact=travel.soil_of(),
         drive=travel.drive_of(sheet),
         loads=LoadCycle.constant([0.0] * track.shoe_count),
-        solver=travel.solver_of(chain.pitch),
+        solver=travel.solver_of(chain.pitch, travel.run_speed(sheet)),
     )
     ruled = {f"datasheet.{name}": Ruled(value, "") for name, value in _followed(sheet, case).items()}
     if sheet.travel == "on the spot":

@@ -11,7 +11,10 @@ from exudyn_crawler.machines.datasheet.sheet import Datasheet
 RISE = 1.0  # rise time of the speed, s
 AHEAD = 30.0  # length of ground ahead of a machine and behind it, m
 CELL, WIDEST_CELL = 0.25, 0.1  # side of the ground's cells: fraction of the pitch, and upper limit, m
-STORED = 0.01  # approximate interval of stored states, s
+STORED = 0.01  # longest interval of stored states, s
+STATES = (
+    20  # least number of stored states in which a fast chain moves by a pitch: peaks of links last that long
+)
 SOIL = "bekker", "lete_sand"
 """Law and name of the ground: sand with 14 MN/m3 under the pressure of a machine of 150 kPa (Wong 2008)."""
 
@@ -39,10 +42,14 @@ def _sense(sheet: Datasheet) -> float:
     return -1.0 if backward else 1.0
 
 
-def solver_of(pitch: float) -> Solver:
-    """Return the solver with the P&H 4100C's steps scaled by the root of the pitch."""
+def solver_of(pitch: float, speed: float) -> Solver:
+    """Return the solver with the P&H 4100C's steps scaled by the root of the pitch.
+
+    States are stored every 10 ms, or `STATES` times in a pitch of the chain at a `speed` (m/s).
+    """
     step = 1e-4 * max(1, round(1e4 * Solver().step * math.sqrt(pitch / ph4100c.TRACK["pitch"])))
-    return Solver(step=step, output_interval=step * max(1, round(STORED / step)))
+    stored = min(STORED, pitch / (STATES * speed))
+    return Solver(step=step, output_interval=step * max(1, round(stored / step)))
 
 
 def ground_of(sheet: Datasheet, chain: Chain) -> terrain.CellTerrain:
