@@ -30,6 +30,7 @@ OF_RUNS = [
     "json",
     "log",
     "mp4",
+    "pdf",
     "nc",
     "npz",
     "png",

@@ -36,5 +36,6 @@ from .results.wear.plan import read_wear as read_wear
 from .results.stress.recovery import recover_stresses as recover_stresses
 from .run.solve.simulation import simulate as simulate
 from .views.pages.report import write_report as write_report
+from .views.pages.signed_run import write_signed as write_signed
 from .views.scenes.films import write_animation as write_animation
 from .wear_run import wear as wear

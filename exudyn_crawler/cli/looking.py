@@ -1,5 +1,6 @@
 """Commands that evaluate runs: report, film, stress, forces and loads of one, comparison of two, lives."""
 
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Annotated, Literal
 
@@ -23,6 +24,8 @@ WORN = ("part", "worn in %", "machine hours left", "at least", "at most", "about
 """Key columns of a wear forecast."""
 WORKED = ("part", "duty", "work a propel hour in kJ", "ratio", "hours left", "hours from")
 """Key columns of the work of duties."""
+TYPST = "typst"
+"""Package that typesets reports to sign."""
 WHY = "what makes a difference"
 """Column of formulas beside runs, too wide for a terminal."""
 
@@ -32,15 +35,32 @@ Out = Annotated[Path | None, typer.Option(help="file to write; default: a file b
 
 @command("exudyn-crawler report results/stress")
 def report(
-    run: Annotated[Path, typer.Argument(help="folder of a run or a study", metavar="RUN")],
-    out: Annotated[Path | None, typer.Option(help="file to write; default: RUN/report.html")] = None,
+    runs: Annotated[
+        list[Path],
+        typer.Argument(
+            help="folder of a run or a study; with --pdf of a run, an assessment, a life or a wear forecast",
+            metavar="RUN...",
+        ),
+    ],
+    pdf: Annotated[
+        bool,
+        typer.Option("--pdf", help="make a report to sign, two to four pages on paper, in place of the page"),
+    ] = False,
+    out: Annotated[
+        Path | None, typer.Option(help="file to write; default: RUN/report.html or RUN/report.pdf")
+    ] = None,
     overwrite: application.Overwrite = False,
 ) -> None:
-    """Make one self-contained page of a run, for reading offline in a browser."""
-    folder = application.run_folder(run)  # refused before slow imports
-    with heartbeat(f"report of {folder}"):
-        page = crawler.write_report(folder, out, overwrite)
-    application.report_made(page, ": open it in a browser")
+    """Make one self-contained page of a run, for reading offline in a browser, or a PDF to sign."""
+    folders = [application.run_folder(run) for run in runs]  # refused before slow imports
+    if out is not None and len(folders) > 1:
+        raise ValueError(f"--out must go with one folder, got {len(folders)}")
+    if pdf and find_spec(TYPST) is None:
+        raise ValueError(application.needs("reports to sign", [TYPST], "report"))
+    for folder in folders:
+        with heartbeat(f"report of {folder}"):
+            made = (crawler.write_signed if pdf else crawler.write_report)(folder, out, overwrite)
+        application.report_made(made, ": print and sign it" if pdf else ": open it in a browser")
 
 
 @command("exudyn-crawler animate results/kinematics/translation --end 5")

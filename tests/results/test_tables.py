@@ -222,8 +222,10 @@ def test_a_run_that_ends_during_its_start_has_one_window(translation):
 def test_the_greatest_over_time_is_the_key_result_at_its_time(translation, rolled):
     for history in (translation, rolled):
         found = whole_run(key_results(history))
-        curves = greatest_over_time(history, ["link_tension", "joint_force", "roller_force", "contact_force"])
-        assert len(curves) == 2 + (history is rolled)
+        curves = greatest_over_time(
+            history, ["link_tension", "joint_force", "roller_force", "contact_force", "ground_pressure"]
+        )
+        assert len(curves) == 3 + (history is rolled)
         for result, curve in curves.items():
             assert curve.dims == ("time",)
             assert float(curve.max()) == pytest.approx(found.loc[result, "value"])

@@ -116,7 +116,7 @@ def greatest_over_time(history: History, names: Iterable[str]) -> dict[str, xr.D
     greatest = {}
     for name, values in history.over_time(name for name in names if history.has(name)).items():
         unit = catalogue.QUANTITIES[name].unit
-        drawn, factor = KEY_UNITS.get(unit, (unit, 1.0))
+        drawn, factor = catalogue.OF_GROUND.get(name, KEY_UNITS.get(unit, (unit, 1.0)))
         for label, some in _apart(history.case, name, values):
             size = abs(_size(some))
             over_machine = size.max([dimension for dimension in size.dims if dimension != "time"])

@@ -50,20 +50,29 @@ def first_screen(history: History, results: pd.DataFrame, stress: xr.Dataset | N
     """
     case = history.case
     now = track.instants(history, [results["at"].iloc[0]])
-    is_start = results["result"].str.endswith(summary.START)
-    starts = {row.result.removesuffix(summary.START): row for row in results[is_start].itertuples()}
-    later = results[~is_start]
-    rank = [ASKED.index(name) if name in ASKED else len(ASKED) for name in later["result"]]
-    first = later.iloc[np.argsort(rank, kind="stable")].head(ANSWERS)
-    answers = [_answer(row, starts.get(row.result), history, stress) for row in first.itertuples()]
     parts = [
         page.figure_picture(f"{case.name} from the right", machine_figure(now)),
         page.paragraph(sentence(history, results)),
-        page.part("answers", answers),
+        page.part("answers", answers(history, results, stress)[:ANSWERS]),
     ]
     if (line := next(checks.implausible(case, history.duration), None)) is not None:
         parts.append(page.part("warning", line))
     return page.together(*parts)
+
+
+def answers(
+    history: History, results: pd.DataFrame, stress: xr.Dataset | None = None
+) -> list[tuple[str, str, str, str]]:
+    """Return the key results of a run in the order of `ASKED`: name, value, location, limit or verdict.
+
+    A value that is greater during the start stands beside the location of that after it.
+    """
+    is_start = results["result"].str.endswith(summary.START)
+    starts = {row.result.removesuffix(summary.START): row for row in results[is_start].itertuples()}
+    later = results[~is_start]
+    rank = [ASKED.index(name) if name in ASKED else len(ASKED) for name in later["result"]]
+    ordered = later.iloc[np.argsort(rank, kind="stable")]
+    return [_answer(row, starts.get(row.result), history, stress) for row in ordered.itertuples()]
 
 
 def sentence(history: History, results: pd.DataFrame) -> str:

@@ -342,7 +342,8 @@ def pressure_figure(history: History) -> Figure:
             ax.autoscale_view()
             ax.grid(False)
             ax.set(ylabel="y in m", aspect="equal")
-            most = f"{below.max():.4g} kPa at most, {mean:.4g} on the mean of the loaded shoes"
+            # on two lines, since a short track is narrow
+            most = f"{below.max():.4g} kPa at most,\n{mean:.4g} on the mean of the loaded shoes"
             ax.set_title(f"{words}, t = {float(now.time):.3g} s: {most}", loc="left", fontsize=8)
         panels[-1].set_xlabel("x in m; numbers are those of the shoes")
         figure.colorbar(scale, ax=panels, label="ground pressure in kPa", fraction=0.025, pad=0.01)
