@@ -12,9 +12,7 @@ RISE = 1.0  # rise time of the speed, s
 AHEAD = 30.0  # length of ground ahead of a machine and behind it, m
 CELL, WIDEST_CELL = 0.25, 0.1  # side of the ground's cells: fraction of the pitch, and upper limit, m
 STORED = 0.01  # longest interval of stored states, s
-STATES = (
-    20  # least number of stored states in which a fast chain moves by a pitch: peaks of links last that long
-)
+STATES = 20  # least number of stored states in a pitch of travel, so that none misses the peaks of links
 SOIL = "bekker", "lete_sand"
 """Law and name of the ground: sand with 14 MN/m3 under the pressure of a machine of 150 kPa (Wong 2008)."""
 
