@@ -4,6 +4,8 @@ import numpy as np
 import pytest
 
 from exudyn_crawler import Case, FlexibleShoes, History, MachineCycle, StepProfile, recover_stresses, simulate
+from exudyn_crawler.assessment.pressure import Footprints
+from exudyn_crawler.assessment.travel import turn_of_footprints, turn_of_lines
 from exudyn_crawler.case import CarBody, Drive, LoadCycle, Machine, MachinePhase, Part
 from exudyn_crawler.ground.cells.laws.rock import RockFloor
 from exudyn_crawler.ground.rotations import rotation_matrices
@@ -124,6 +126,27 @@ def test_moment_of_turning_on_the_spot(spot):
     right = data.contact_shoe.values <= 38
     pulls = [pull[late][:, side].sum(axis=1).mean() for side in (right, ~right)]
     assert pulls[0] == pytest.approx(-pulls[1], rel=0.1)
+
+
+def test_a_turn_on_the_spot_is_as_much_less_than_commanded_as_tracks_must_slip(spot):
+    """A turn takes the pull of both tracks, which pull only as they slip: B / (B + k L) of the command.
+
+    Units bear friction at a point for each pair and a torque about it: less than over the shoes' whole width,
+    more than on a line.
+    """
+    case, late = spot.case, spot.time.values > 1.2
+    gauge, length = case.gear.car_body.gauge, len(case.gear.rollers) * case.track.pitch
+    rate = spot.side_frame_angular_velocity.values[late, 2].mean()
+    footprint = Footprints(gauge, length, case.shoe.width)
+    wide, line = (
+        0.05 * gauge / (gauge + turn.slip * length)
+        for turn in (
+            turn_of_footprints(1.0, footprint, FRICTION),
+            turn_of_lines(1.0, length, gauge, FRICTION),
+        )
+    )
+    assert wide < rate < line
+    assert rate == pytest.approx(0.5 * (wide + line), rel=0.05)
 
 
 def test_all_forces_on_the_machine_are_the_rate_of_its_momentum(spot):
