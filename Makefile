@@ -12,9 +12,10 @@ ONE_THREAD := OMP_NUM_THREADS=1 MKL_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1
 # where Python may not keep compiled files, every process compiles program and tests anew: 10 s for all tests
 COMPILED_ONCE := PYTHONDONTWRITEBYTECODE=
 TESTING := $(ONE_THREAD) $(COMPILED_ONCE)
+PACKAGES := -p exudyn_crawler -p fem -p meshes -p studies
 
 .PHONY: help demo kinematics forces uneven stress rollers closed ground life sweep-terrain sweep-plate scatter verify check test test-slow lint format bench \
-	docs notebooks lock clean
+	test-lowest test-newest docs notebooks lock clean
 
 help:  ## what can be made
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*## /\t/'
@@ -78,10 +79,18 @@ test: $(INSTALLED)  ## the tests, less the slow ones, on two processes
 test-slow: $(INSTALLED)  ## the studies at full length against the papers; once before a release
 	$(BIN)/python -m pytest -m slow
 
-lint: $(INSTALLED)  ## ruff and mypy
+test-lowest:  ## the tests of make check with the lowest versions that pyproject.toml admits
+	.ci/versions lowest
+
+test-newest:  ## the tests of make check with the newest versions of all requirements
+	.ci/versions newest
+
+lint: $(INSTALLED)  ## ruff and mypy, also for what is there on Windows and macOS
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
+	$(BIN)/mypy --platform win32 --cache-dir .mypy_cache/win32 $(PACKAGES)
+	$(BIN)/mypy --platform darwin --cache-dir .mypy_cache/darwin $(PACKAGES)
 
 format: $(INSTALLED)  ## put the code into its standard form
 	$(BIN)/ruff check --fix .

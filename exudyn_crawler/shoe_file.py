@@ -370,7 +370,7 @@ def _with_shoe(path: Path, name: str, mesh: Path, folder: Path) -> str:
     table: Any = document["datasheet"]
     table["shoe_mesh"] = mesh.name
     if "flexible" not in document:
-        case = read_case(path, [f"datasheet.shoe_mesh={str(mesh.resolve())!r}"]).case
+        case = read_case(path, [f"datasheet.shoe_mesh={mesh.resolve().as_posix()!r}"]).case
         flexible = tomlkit.table()
         flexible["shoes"] = [passed_shoe(case)]
         flexible["shoes"].comment("below the foremost roller, so that all others pass over it")

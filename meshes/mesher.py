@@ -40,8 +40,9 @@ def begin_step(step: str, suspect: str = "") -> None:
     if _to_caller is None:
         return
     _to_caller.send((False, step, suspect))
-    # the default action of the alarm ends this process if the calling one has ended
-    signal.alarm(2 * LONGEST)
+    if sys.platform != "win32":
+        # the default action of the alarm ends this process if the calling one has ended
+        signal.alarm(2 * LONGEST)
 
 
 def call(
@@ -56,7 +57,7 @@ def call(
     MeshError
         If the process crashes, or a step takes longer than `LONGEST`; the message names step and suspect.
     """
-    if os.name == "nt":
+    if sys.platform == "win32":
         return function(*arguments, **named)
     # the process finds modules on the same path, without the current folder
     paths = [os.path.abspath(path) for path in sys.path]

@@ -2,6 +2,8 @@
 
 import math
 import os
+import sys
+from contextlib import suppress
 from pathlib import Path
 from typing import Annotated, Literal, NamedTuple, SupportsFloat
 
@@ -72,10 +74,10 @@ def check_size(case: Case, duration: float) -> None:
 
 def machine_memory() -> float:
     """Return the memory of this machine, bytes."""
-    try:
-        return float(os.sysconf("SC_PAGE_SIZE")) * os.sysconf("SC_PHYS_PAGES")
-    except (AttributeError, OSError, ValueError):
-        return FALLBACK_MEMORY
+    if sys.platform != "win32":
+        with suppress(OSError, ValueError):
+            return float(os.sysconf("SC_PAGE_SIZE")) * os.sysconf("SC_PHYS_PAGES")
+    return FALLBACK_MEMORY
 
 
 def stored_numbers(case: Case) -> int:

@@ -97,7 +97,7 @@ def write_calculix(
         lines += ["*STATIC", *_held_lines(np.asarray(fixed))]
         lines += ["*CLOAD", *_load_lines(forces), "*NODE PRINT, NSET=ALL", "U", "*NODE FILE", "S"]
     lines.append("*END STEP")
-    Path(path).write_text("\n".join(lines) + "\n")
+    Path(path).write_text("\n".join(lines) + "\n", encoding="utf-8")
 
 
 def write_load_deck(
@@ -169,7 +169,7 @@ def write_load_deck(
     else:
         lines += ["*OUTPUT, FIELD", "*NODE OUTPUT", "U, RF", "*ELEMENT OUTPUT, POSITION=NODES", "S"]
     lines.append("*END STEP")
-    Path(path).write_text("\n".join(lines) + "\n")
+    Path(path).write_text("\n".join(lines) + "\n", encoding="utf-8")
 
 
 def _check_balance(

@@ -44,7 +44,7 @@ def run_toml(example: Example) -> None:
     """Parse a block; one that begins with a comment such as ``# cycle.toml`` becomes that file."""
     tomllib.loads(example.parsed)
     if name := re.match(r"# (\w+\.toml)\n", example.parsed):
-        Path(name[1]).write_text(example.parsed)
+        Path(name[1]).write_text(example.parsed, encoding="utf-8")
 
 
 def tokens_of(page: Path) -> list[Token]:

@@ -189,7 +189,7 @@ def balanced_loads(beam: fem.ElasticBody) -> tuple[list[fem.Interface], np.ndarr
 def read_deck(path: Path) -> dict[str, list[list[str]]]:
     """Cards of a deck by keyword and their data, without remarks."""
     cards: dict[str, list[list[str]]] = {}
-    for line in path.read_text().splitlines():
+    for line in path.read_text(encoding="utf-8").splitlines():
         if line.startswith("*") and not line.startswith("**"):
             data = cards.setdefault(line, [])
         elif not line.startswith("**"):

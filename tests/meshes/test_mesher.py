@@ -84,7 +84,7 @@ def test_an_interrupt_ends_the_mesher(tmp_path):
     path: Path = tmp_path / "pid"
 
     def interrupt():
-        while not (path.is_file() and path.read_text()):
+        while not (path.is_file() and path.read_text(encoding="utf-8")):
             time.sleep(0.05)
         os.kill(os.getpid(), signal.SIGINT)
 
@@ -94,4 +94,4 @@ def test_an_interrupt_ends_the_mesher(tmp_path):
         mesher.call(hangs, path)
     thread.join()
     with pytest.raises(ProcessLookupError):
-        os.kill(int(path.read_text()), 0)
+        os.kill(int(path.read_text(encoding="utf-8")), 0)

@@ -21,8 +21,13 @@ from exudyn_crawler.machines import CaseFile, write_case
 from exudyn_crawler.run.folder import record
 from exudyn_crawler.run.folder.progress import PROGRESS
 
-if sys.platform != "win32":
+if sys.platform == "win32":
+    # Ctrl-C in this console does not reach such a process, as elsewhere one of a new session
+    NEW_GROUP = subprocess.CREATE_NEW_PROCESS_GROUP
+else:
     import fcntl
+
+    NEW_GROUP = 0
 
 RESULTS = "results"
 WAITS = "waits"  # empty file of a run that waits for its turn
@@ -131,13 +136,12 @@ class Runs:
         process = self._started.get(name)
         if process is not None and process.poll() is None:
             return True
-        if sys.platform == "win32":
-            return False
-        with suppress(FileNotFoundError), (self.folder / name / CONSOLE).open("rb") as console:
-            try:
-                fcntl.flock(console, fcntl.LOCK_SH | fcntl.LOCK_NB)
-            except BlockingIOError:
-                return True
+        if sys.platform != "win32":
+            with suppress(FileNotFoundError), (self.folder / name / CONSOLE).open("rb") as console:
+                try:
+                    fcntl.flock(console, fcntl.LOCK_SH | fcntl.LOCK_NB)
+                except BlockingIOError:
+                    return True
         return False
 
     def add(self, case_file: CaseFile, name: str) -> str:
@@ -164,7 +168,10 @@ class Runs:
         run = self.named(name)
         if run.status == RUNNING:
             # a process that starts has no record yet, or that of an earlier one
-            number = (run.folder / STARTED).read_text() if self._works(name) else run.record["process"]
+            if self._works(name):
+                number = (run.folder / STARTED).read_text(encoding="utf-8")
+            else:
+                number = run.record["process"]
             with suppress(OSError):
                 os.kill(int(number), signal.SIGTERM)
             return
@@ -192,7 +199,8 @@ class Runs:
                 stderr=subprocess.STDOUT,
                 cwd=self.folder.parent,
                 start_new_session=True,
+                creationflags=NEW_GROUP,
             )
-        (home / STARTED).write_text(str(process.pid))
+        (home / STARTED).write_text(str(process.pid), encoding="utf-8")
         (home / WAITS).unlink(missing_ok=True)
         self._started[home.name] = process
