@@ -16,7 +16,7 @@ from exudyn_crawler.results.history import History
 from exudyn_crawler.run.folder import record
 from exudyn_crawler.settings import fields
 from exudyn_crawler.views import assessment as drawings, style, tables
-from exudyn_crawler.views.pages import assessment as pages
+from exudyn_crawler.views.pages import assessment as pages, signed
 
 ASSESSED_PAGE = "assessment.html"
 ASSESSED_TABLES = {
@@ -69,7 +69,7 @@ def assess(
     """
     folder = None if out is None else Path(out)
     if folder is not None:
-        for name in (*ASSESSED_TABLES, COMPARED, ASSESSED_PAGE):
+        for name in (*ASSESSED_TABLES, COMPARED, ASSESSED_PAGE, signed.STORED):
             files.refuse_existing(folder / name, overwrite)
     given: tuple[str, ...] = ()
     origins: Ledger | None = None
@@ -84,10 +84,20 @@ def assess(
         origins = ledger_of(asked.machine) or stated_ledger(case, asked.stated)
         settings = settings or asked.settings
     checks.warn_of([*checks.out_of_range(settings), *_odd_payload(case, settings)])
-    runs = [_forces(named) for named in ([run] if isinstance(run, str | Path) else run)]
+    named_runs = [_history_of(named) for named in ([run] if isinstance(run, str | Path) else run)]
+    runs = [
+        (load_case, run_forces.forces_of_run(History.load(path), name))
+        for load_case, path, name in named_runs
+    ]
     found = assessment_of(case, settings, given=given, origins=origins, sheet=sheet, runs=runs, say=say)
     if folder is not None:
         write_assessment(found, files.writable_folder(folder), overwrite)
+        sources = [*([] if isinstance(machine, Case) else [machine]), *(path for _, path, _ in named_runs)]
+        checksums = signed.input_sums(sources, case, settings)
+        of_machine = case.gear.words(case)
+        report = pages.signed_assessment(found, of_machine, checksums, record.program_line())
+        drawn = {name.capitalize(): drawings.file_name(name) for name in pages.SIGNED_FIGURES}
+        signed.store(report, folder, drawn, overwrite)
     return found
 
 
@@ -101,8 +111,8 @@ def _odd_payload(case: Case, settings: AssessmentSettings) -> Iterator[str]:
         yield f"work.payload: {share}; is it in t? The unit is kg; a text may have another, such as '90 t'"
 
 
-def _forces(named: str | Path) -> tuple[str | None, run_forces.RunForces]:
-    """Return the load case, if it is given, and the forces of a run's folder or history."""
+def _history_of(named: str | Path) -> tuple[str | None, Path, str]:
+    """Return the load case, if it is given, the history and the name of a run's folder or history."""
     run = Path(named)
     load_case = None
     if not run.exists() and "=" in str(named):
@@ -111,7 +121,7 @@ def _forces(named: str | Path) -> tuple[str | None, run_forces.RunForces]:
     path = run / record.HISTORY if run.is_dir() else run
     if not path.is_file():
         raise FileNotFoundError(f"no history of a run at {path}")
-    return load_case, run_forces.forces_of_run(History.load(path), run.name)
+    return load_case, path, run.name
 
 
 def write_assessment(found: Assessment, folder: Path, overwrite: bool = False) -> None:
@@ -122,5 +132,5 @@ def write_assessment(found: Assessment, folder: Path, overwrite: bool = False) -
         tables.write_table(found.compared, folder / COMPARED, overwrite)
     drawn = drawings.assessment_figures(found)
     for name, figure in drawn.items():
-        style.save_figure(figure, folder / f"{name.replace(' ', '_')}.png", overwrite)
+        style.save_figure(figure, folder / drawings.file_name(name), overwrite)
     pages.write_assessment_page(found, drawn, folder / ASSESSED_PAGE, overwrite)

@@ -18,7 +18,7 @@ from exudyn_crawler.results.life.duty import Duty, DutyRun, read_duty
 from exudyn_crawler.results.life.duty_runs import NodeLife
 from exudyn_crawler.run.folder import folder as folders, progress, record
 from exudyn_crawler.views import style, tables
-from exudyn_crawler.views.pages import life as pages
+from exudyn_crawler.views.pages import life as pages, signed
 from fem import interrupts, write_vtu
 
 LIFE = "life.nc"
@@ -28,7 +28,8 @@ TABLE = "shortest_lives.csv"
 CAUSES = "causes.csv"
 MATRICES = "rainflow_matrices.csv"
 GROWTH = "damage_histories.csv"
-FILES = (LIFE, FIELDS, PAGE, TABLE, CAUSES, MATRICES, GROWTH)  # outputs of a duty
+SHOE = "life.png"
+FILES = (LIFE, FIELDS, PAGE, TABLE, CAUSES, MATRICES, GROWTH, SHOE, signed.STORED)  # outputs of a duty
 CHECK_PAGE = "check.html"
 PICTURES = "pictures"
 CHECK_TABLES = {"peaks.csv": "table", "moments.csv": "moments", "cycles.csv": "cycles", "hertz.csv": "hertz"}
@@ -50,12 +51,16 @@ def life(
     spread beside one do not fit together, see `read_duty`, `results.life.duty_runs.used_runs` and
     `results.checks.solve.case_shapes`.
     """
+    sources = [] if isinstance(duty, Duty) else [Path(duty)]
     duty = duty if isinstance(duty, Duty) else read_duty(duty)
     folder = _folder(duty, out, FILES, overwrite)
     lives = stage_lives(duty, say)
     total = results.life_of_stages(duty, lives) if duty.stages else lives[0]
     if folder is not None:
         write_life(total, files.writable_folder(folder), overwrite)
+        checksums = signed.input_sums([*sources, *(_history_of(run) for run in duty.runs)], duty)
+        report = pages.signed_life(total, checksums, record.program_line())
+        signed.store(report, folder, {"Life that most shoes survive (black: not known)": SHOE}, overwrite)
     return total
 
 
@@ -216,4 +221,5 @@ def write_life(lives: results.LifeResults, folder: Path, overwrite: bool = False
     fields |= {f"damage an hour, place {shoe}": at_last.sel(shoe=shoe) for shoe in data.shoe.values}
     with files.whole_file(folder / FIELDS, overwrite) as temporary:
         write_vtu(temporary, lives.whole.mesh, {name: np.asarray(field) for name, field in fields.items()})
+    style.save_figure(pages.life_figure(lives), folder / SHOE, overwrite)
     pages.write_life_page(lives, folder / PAGE, overwrite, roller_paths(lives))

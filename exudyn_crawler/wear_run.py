@@ -19,7 +19,7 @@ from exudyn_crawler.results.wear.work import RunWork, run_work
 from exudyn_crawler.run.folder import record
 from exudyn_crawler.settings.fields import errors_at
 from exudyn_crawler.views import style, tables, wear as drawings
-from exudyn_crawler.views.pages import wear as pages
+from exudyn_crawler.views.pages import signed, wear as pages
 from exudyn_crawler.views.tables import ORIGIN_COLUMNS, origin_rows
 
 WEAR_PAGE = "wear.html"
@@ -50,6 +50,7 @@ def wear(
     FileExistsError if the folder has results and `overwrite` is false; ValueError if the file, its
     inspections or its runs are refused, see `read_wear`, `read_inspections` and `results.wear.work.run_work`.
     """
+    sources = [] if isinstance(plan, WearPlan) else [Path(plan)]
     plan = plan if isinstance(plan, WearPlan) else read_wear(plan)
     checks.warn_of(checks.out_of_range(plan))
     folder = None if out is None else Path(out)
@@ -57,6 +58,7 @@ def wear(
         for name in (
             WEAR_PAGE,
             INPUTS,
+            signed.STORED,
             *OF_INSPECTIONS,
             *OF_DUTIES,
             *map(drawings.file_name, drawings.DRAWN),
@@ -73,6 +75,18 @@ def wear(
     results = WearResults(plan, found, tuple(duties))
     if folder is not None:
         write_wear(results, files.writable_folder(folder), overwrite)
+        if plan.inspections is not None:
+            sources.append(Path(plan.inspections))
+        checksums = signed.input_sums([*sources, *paths.values()], plan)
+        case = results.case
+        machine = "" if case is None else case.gear.words(case)
+        report = pages.signed_wear(results, machine, checksums, record.program_line())
+        there = {
+            caption: drawings.file_name(name)
+            for caption, name in pages.SIGNED_FIGURES.items()
+            if (folder / drawings.file_name(name)).is_file()
+        }
+        signed.store(report, folder, there, overwrite)
     return results
 
 

@@ -16,6 +16,7 @@ from exudyn_crawler.life_run import FILES
 from exudyn_crawler.results.life.duty import DutyRun
 from exudyn_crawler.results.life.life import life_of, life_words, relative_spread
 from exudyn_crawler.spread_run import NUDGE, ONE_TIME, laws_beside, nudged, spread
+from exudyn_crawler.views.pages import signed
 from exudyn_crawler.views.pages.life import life_lines, write_life_page
 from exudyn_crawler.views.tables import cell_text
 from tests.small_shoe import SMALL_SHOE
@@ -64,6 +65,16 @@ def test_everything_is_written_and_agrees(pit):
     matrices = pd.read_csv(folder / "rainflow_matrices.csv")
     assert set(matrices["node"]) == set(table["node"])
     assert (matrices["cycles an hour"] > 0.0).all()
+
+
+def test_the_report_to_sign_has_lines_and_lives_of_the_page(pit):
+    report = signed.stored(pit[0] / "life")
+    assert list(report.lines) == life_lines(pit[1])
+    lives = life_words(float(pit[1].table["life in h that 90 % survive"].iloc[0]))
+    assert report.answers.rows[0][:2] == (pit[1].table["region"].iloc[0], cell_text(lives))
+    assert [name.rpartition("/")[2] for name, _ in report.checksums[:2]] == ["digging.toml", "history.nc"]
+    assert ("runs[0].share", "0.1") in report.given
+    assert 2 <= len(signed.typeset(report, "png")) <= 4
 
 
 def test_the_page_shows_life_table_and_duty(pit):

@@ -7,6 +7,7 @@ from typer.testing import CliRunner
 from exudyn_crawler import Case, read_wear, wear
 from exudyn_crawler.errors import CaseFileError
 from exudyn_crawler.results.wear.ledger import inputs_ledger
+from exudyn_crawler.views.pages import signed
 from exudyn_crawler.views.wear import file_name
 from exudyn_crawler.wear_run import INPUTS, OF_INSPECTIONS, WEAR_PAGE
 
@@ -47,6 +48,7 @@ def test_inspections_alone_give_residual_hours_and_a_page(plan, tmp_path):
         INPUTS,
         WEAR_PAGE,
         file_name("percent worn"),
+        signed.STORED,
     }
     table = pd.read_csv(tmp_path / "out" / "due.csv")
     assert table["part"].tolist() == ["left pitch", "right pitch", "right roller 3"]
@@ -62,6 +64,20 @@ def test_inspections_alone_give_residual_hours_and_a_page(plan, tmp_path):
     assert "What is due, and when" in page
     with pytest.raises(FileExistsError):
         wear(plan, tmp_path / "out")
+
+
+def test_the_report_to_sign_has_the_table_of_the_page_and_the_files(plan, tmp_path):
+    found = wear(plan, tmp_path / "out")
+    report = signed.stored(tmp_path / "out")
+    assert report.lines == tuple(found.lines)
+    assert [row[0] for row in report.answers.rows] == found.forecast.table["part"].tolist()
+    files = [name.rpartition("/")[2] for name, _ in report.checksums]
+    assert files == ["mine.toml", "seen.csv", signed.ALL_VALUES]
+    assert dict(report.given)["parts[1].new"] == "0.18 m"
+    values = report.checksums[2]
+    plan.write_text(plan.read_text().replace("165 mm", "164 mm"))
+    wear(plan, tmp_path / "out", overwrite=True)
+    assert signed.stored(tmp_path / "out").checksums[2] != values
 
 
 def test_the_ledger_has_units_of_the_fields_and_names_who_gives_the_propel_share(plan):

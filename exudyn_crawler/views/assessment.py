@@ -17,6 +17,11 @@ GRADES = np.linspace(0.0, 0.5, 51)
 """Grades (rise over run) at which travel is drawn."""
 
 
+def file_name(drawing: str) -> str:
+    """Return the name of the file of a drawing."""
+    return f"{drawing.replace(' ', '_')}.png"
+
+
 def assessment_figures(found: Assessment) -> dict[str, Figure]:
     """Return all drawings of an assessment by name."""
     return {

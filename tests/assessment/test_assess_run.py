@@ -17,8 +17,10 @@ from exudyn_crawler.case.parameters.track import SIDES, FlexibleShoes
 from exudyn_crawler.errors import ImplausibleWarning
 from exudyn_crawler.ground.cells.laws.rock import RockFloor
 from exudyn_crawler.machines.datasheet import library
+from exudyn_crawler.machines.datasheet.ledger import GENERAL
 from exudyn_crawler.origins import Origin
 from exudyn_crawler.results.checks.cases import ShoeCheck
+from exudyn_crawler.views.pages import signed
 from fem import Mesh, write_mesh
 from meshes import mesh_named
 
@@ -311,6 +313,14 @@ def test_the_command_leaves_tables_drawings_and_a_page(told, refused, tmp_path):
     for words in ("Ground pressure", "Tipping", "Clauses followed", "no conformity", "stiff clay"):
         assert words in page
     assert len(list(folder.glob("*.png"))) == 7
+    report = signed.stored(folder)
+    assert [row[0] for row in report.answers.rows] == items["item"].tolist()
+    assert report.lines[0] in first
+    assert ("work.payload", "90000 kg") in report.given
+    assert (
+        len(report.assumed) == (inputs["origin"] == Origin.ASSUMED).sum() - (inputs["how"] == GENERAL).sum()
+    )
+    assert report.checksums[0][0].endswith("/mine.toml")
     assert "exists" in refused("assess", "mine.toml", "--out", "assessed")
     assert "no file" in refused("assess", "nowhere.toml")
     assert "no history" in refused("assess", "mine.toml", "--out", "other", "--run", "assessed")

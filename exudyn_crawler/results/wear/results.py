@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import pandas as pd
 
+from exudyn_crawler.case import Case
 from exudyn_crawler.origins import Ledger
 from exudyn_crawler.results.wear import duty_work
 from exudyn_crawler.results.wear.duty_work import DutyWork
@@ -64,10 +65,16 @@ class WearResults:
         )
 
     @property
+    def case(self) -> Case | None:
+        """Case of the first run of the duties; None without duties."""
+        return next((work.case for duty in self.duties for work in duty.runs.values()), None)
+
+    @property
     def inputs(self) -> Ledger:
         """Inputs with their origins."""
-        case = next((work.case for duty in self.duties for work in duty.runs.values()), None)
-        return inputs_ledger(self.plan, case, None if self.forecast is None else self.forecast.inspections)
+        return inputs_ledger(
+            self.plan, self.case, None if self.forecast is None else self.forecast.inspections
+        )
 
     @property
     def lines(self) -> list[str]:

@@ -96,6 +96,14 @@ def versions() -> dict[str, str]:
     return installed
 
 
+def program_line() -> str:
+    """Return the program's version, its commit if it is known, and the present time, for a report."""
+    made = f"made {datetime.now(UTC):%Y-%m-%d %H:%M} UTC"
+    known = commit()
+    version = importlib.metadata.version(PROGRAM)
+    return "; ".join((f"{PROGRAM} {version}", *([f"commit {known}"] if known else []), made))
+
+
 @contextmanager
 def logged(out: Path) -> Iterator[None]:
     """Append the package's log to the log file of a folder."""

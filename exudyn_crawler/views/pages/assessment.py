@@ -9,9 +9,17 @@ from matplotlib.figure import Figure
 from exudyn_crawler.assessment.assessment import Assessment
 from exudyn_crawler.assessment.items import NOT_KNOWN
 from exudyn_crawler.assessment.slewing import least_over_slew
-from exudyn_crawler.views.pages import page
+from exudyn_crawler.origins import Origin
+from exudyn_crawler.views.pages import page, signed
+from exudyn_crawler.views.pages.signed import Pairs, SignedReport
+from exudyn_crawler.views.tables import origin_rows
 
 SHORT = ["item", "load case", "group", "utilisation", "number", "limit", "unit", "factor", "from", "within"]
+SIGNED = ["item", "load case", "group", "utilisation", "within", "number", "limit", "unit"]
+CLAUSES = "clauses.csv lists those followed and left out"
+ASKED = "Are ground pressure, tipping, travel and the parts within their limits in the load cases of {}?"
+SIGNED_FIGURES = ("utilisation", "ground pressure over slew", "stability over slew")
+"""Columns, remark, question and drawings of the report to sign."""
 HOW = ["item", "formula", "source", "mark", "factor", "factor from"]
 MARKS = "Marks: S seen in a text of the source, D derived, R remembered: to be checked before it is used."
 NO_CONFORMITY = (
@@ -60,6 +68,24 @@ def write_assessment_page(
         sections.insert(1, beside)
     title = f"Assessment: {found.name}"
     return page.write_page(page.page(title, found.lines, sections), path, overwrite)
+
+
+def signed_assessment(found: Assessment, machine: str, checksums: Pairs, program: str) -> SignedReport:
+    """Return the report to sign of an assessment; `machine` are its words, `program` the program's line."""
+    assumed = found.ledger.counts.get(Origin.ASSUMED, 0)
+    formulas, conformity = NO_CONFORMITY.partition(":")[0].split(". ", 1)
+    sure = f"{assumed} of {len(found.ledger)} inputs are assumed; an item is as sure as its inputs."
+    return SignedReport(
+        kind="Assessment",
+        title=found.name,
+        facts=(("machine", machine), signed.revision(checksums), ("program", program)),
+        question=ASKED.format(found.load_cases.name),
+        lines=tuple(found.lines),
+        answers=signed.rows_of(printed(found)[SIGNED]),
+        validity=(f"{formulas}.", f"{conformity} ({CLAUSES}).", sure),
+        checksums=checksums,
+        **signed.ledger_parts(origin_rows(found.ledger), "inputs.csv"),
+    )
 
 
 def printed(found: Assessment) -> pd.DataFrame:

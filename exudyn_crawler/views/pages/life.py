@@ -1,6 +1,7 @@
 """Pages of a life and of a check of a shoe: coloured shoe in 3D, tables, curves; pictures of a check."""
 
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 
 import matplotlib as mpl
@@ -28,9 +29,10 @@ from exudyn_crawler.results.life.life import (
 from exudyn_crawler.results.stress.hot_spots import flat_triangles
 from exudyn_crawler.settings.fields import case_rows
 from exudyn_crawler.views import style
-from exudyn_crawler.views.pages import packing, page
+from exudyn_crawler.views.pages import packing, page, signed
+from exudyn_crawler.views.pages.signed import Pairs, SignedReport
 from exudyn_crawler.views.scenes import pictures, scene, shoes
-from exudyn_crawler.views.tables import cell_text
+from exudyn_crawler.views.tables import cell_text, short_numbers
 from fem.body.element_stress import von_mises
 
 LEAST_LIFE = 1.0  # h, least life with a colour of its own
@@ -53,6 +55,18 @@ CAUSES = (
     "Machine hours after which each run or check case alone would crack a region: the darker, the sooner. "
     "With stages of wear the damage of all stages until the crack counts."
 )
+WHY = ("verdict", "main part")
+ASKED = "After how many machine hours of this duty does a shoe crack, where, and by which part of the duty?"
+MOVES = (
+    "By the uncertainty of the stress alone a life lies between the least and the greatest of the table; "
+    "other assumed values are not varied here."
+)
+VALID = (
+    "The hours are until a crack that grows, by linear elastic stress, local S-N curves and Miner's rule.",
+    "They are those of this duty: another mix of digging, travel and ground has other hours.",
+    "They are not compared with cracks of this machine in service.",
+)
+"""Columns, question, spread and validity of the report to sign."""
 CONTACT = (
     'Contact below the treads, in the last stage: "to yield" and "to shakedown" are the factors by which '
     "stresses may grow until the steel flows once, and in every pass. The lives above leave it out."
@@ -87,6 +101,48 @@ def write_life_page(
     title = f"Life of the shoes: {lives.duty.name}"
     html = _coloured_page(title, life_lines(lives), sections, life_solid(lives))
     return page.write_page(html, path, overwrite)
+
+
+def signed_life(lives: LifeResults, checksums: Pairs, program: str) -> SignedReport:
+    """Return the report to sign of a life; `program` is the program's line."""
+    duty = lives.duty
+    history = next((run.basis.history for run in lives.runs if run.basis.history is not None), None)
+    shoes_of = duty.check if history is None else history.case.gear.words(history.case)
+    longest = f"{LIFE} that {100.0 * duty.survivals[-1]:g} % survive"
+    table = in_words(lives.table)[["region", longest, f"{LIFE} at least", f"{LIFE} at most", *WHY]]
+    rows = case_rows(duty)
+    given = tuple((row.key, short_numbers(row.value)) for row in rows)
+    return SignedReport(
+        kind="Life of the shoes",
+        title=duty.name,
+        facts=(("shoes of", shoes_of), signed.revision(checksums), ("program", program)),
+        question=ASKED,
+        lines=tuple(life_lines(lives)),
+        answers=signed.rows_of(table),
+        given_words=f"The duty has {len(rows)} values; those that its file does not state are defaults.",
+        given=given,
+        assumed_words=f"Material: {duty.material.provenance()}. {MOVES}",
+        assumed=(),
+        validity=VALID,
+        checksums=checksums,
+        figures={},
+    )
+
+
+def life_figure(lives: LifeResults) -> Figure:
+    """Draw the shoe from above and below, coloured by the life that most shoes survive."""
+    solid = life_solid(lives)
+    colouring = solid.colourings[0]
+    with mpl.rc_context(style.STYLE | {"axes.grid": False}):
+        figure = Figure(figsize=(9.0, 6.0))
+        axes = figure.subplots(len(VIEWS), 1)
+        for ax, (title, seen) in zip(axes, VIEWS.items(), strict=True):
+            pictures.paint(ax, [replace(solid, colourings=(colouring,))], scene.View.seen_from(*seen), WINDOW)
+            ax.set_title(title, loc="left")
+            ax.set_axis_off()
+        scale = style.scale_of(colouring.low, colouring.high, str(colouring.colours))
+        figure.colorbar(scale, ax=axes, label=f"log10 of {colouring.title}")
+    return figure
 
 
 def _coloured_page(title: str, lead: list[str], sections: list[page.Section], solid: scene.Solid) -> str:

@@ -14,6 +14,8 @@ from matplotlib.figure import Figure
 from pydantic import BaseModel, TypeAdapter
 
 from exudyn_crawler.files import whole_file
+from exudyn_crawler.machines.datasheet.ledger import GENERAL
+from exudyn_crawler.origins import Origin
 from exudyn_crawler.views.pages import runs
 from exudyn_crawler.views.pages.page import TEMPLATES
 from exudyn_crawler.views.tables import cell_text, short_numbers
@@ -80,9 +82,35 @@ def rows_of(frame: pd.DataFrame) -> Rows:
     return Rows(tuple(names), cells, numeric)
 
 
-def origin_pairs(rows: Iterable[tuple[str, str, str, str]], origins: Sequence[str]) -> Pairs:
-    """Return names and short values of rows of a ledger (`ORIGIN_COLUMNS`) with the given origins."""
+def ledger_parts(rows: Sequence[tuple[str, str, str, str]], where: str) -> dict[str, Any]:
+    """Return the fields of a report on given and assumed values, from rows of a ledger (`ORIGIN_COLUMNS`).
+
+    Values that are the same for all machines are only counted. `where` names the table of all rows.
+    """
+    chosen = [row for row in rows if row[3] != GENERAL]
+    given = _named(chosen, (Origin.GIVEN, Origin.LIBRARY))
+    assumed = _named(chosen, (Origin.ASSUMED,))
+    derived = len(chosen) - len(given) - len(assumed)
+    said = (
+        f"Of {len(rows)} values {len(given)} are given by the file or the machine's datasheet, {derived} "
+        "follow from these and typical ones."
+    )
+    general = len(rows) - len(chosen)
+    more = f"; {general} further values are the same for all machines" if general else ""
+    unsure = f"{len(assumed)} typical values, each with its source in {where}{more}. {NOT_VARIED}"
+    return {"given_words": said, "given": given, "assumed_words": unsure, "assumed": assumed}
+
+
+def _named(rows: Iterable[tuple[str, str, str, str]], origins: Sequence[str]) -> Pairs:
+    """Return names and short values of rows with the given origins."""
     return tuple((key, short_numbers(value)) for key, value, origin, _ in rows if origin in origins)
+
+
+def input_sums(files: Iterable[Path | str], *parameters: BaseModel) -> Pairs:
+    """Return the checksums of files, named with their folders, and of all values of parameters."""
+    paths = dict.fromkeys(map(Path, files))
+    named = ((f"{path.resolve().parent.name}/{path.name}", file_sum(path)) for path in paths)
+    return (*named, (ALL_VALUES, values_sum(*parameters)))
 
 
 def file_sum(path: Path) -> str:
@@ -135,6 +163,12 @@ def store(report: SignedReport, folder: Path, drawn: Mapping[str, str], overwrit
     content = asdict(report) | {"figures": dict(drawn)}
     with whole_file(folder / STORED, overwrite) as temporary:
         temporary.write_text(json.dumps(content, indent=1) + "\n", encoding="utf-8")
+
+
+def revision(checksums: Pairs) -> tuple[str, str]:
+    """Return the fact that names the revision of a report's inputs: the first of them and its checksum."""
+    name, checksum = checksums[0]
+    return "revision", f"{Path(name).name}, SHA-256 {checksum[:16]}"
 
 
 def stored(folder: Path) -> SignedReport:

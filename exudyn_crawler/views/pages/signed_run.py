@@ -1,19 +1,19 @@
 """Report to sign of a run: the numbers of the first screen, from the run's folder."""
 
 from pathlib import Path
+from typing import Any
 
 import pandas as pd
 from matplotlib.figure import Figure
 
 from exudyn_crawler.case.parameters import checks
 from exudyn_crawler.files import HISTORY, refuse_existing
-from exudyn_crawler.machines.datasheet.ledger import GENERAL, ORIGINS_FILE
-from exudyn_crawler.origins import Origin
+from exudyn_crawler.machines.datasheet.ledger import ORIGINS_FILE
 from exudyn_crawler.results.history import History, catalogue, summary
 from exudyn_crawler.settings.fields import case_rows
 from exudyn_crawler.views import figures, style
 from exudyn_crawler.views.pages import first_screen, report, runs, signed
-from exudyn_crawler.views.pages.signed import Pairs, Rows, SignedReport
+from exudyn_crawler.views.pages.signed import Rows, SignedReport
 from exudyn_crawler.views.scenes import pictures, track
 
 CASE = "case.toml"
@@ -67,10 +67,8 @@ def run_report(folder: Path) -> SignedReport:
     case = history.case
     inputs = [folder / name for name in (CASE, ORIGINS_FILE, HISTORY) if (folder / name).is_file()]
     warning = next(checks.implausible(case, history.duration), None)
-    given, assumed = _origins(folder, len(case_rows(case)))
-    facts = [("machine", case.gear.words(case)), ("case", case.name)]
-    if (folder / CASE).is_file():
-        facts.append(("revision", f"{CASE}, SHA-256 {signed.file_sum(folder / CASE)[:16]}"))
+    checksums = tuple((file.name, signed.file_sum(file)) for file in inputs)
+    facts = [("machine", case.gear.words(case)), ("case", case.name), signed.revision(checksums)]
     facts += zip(("run", "program"), report.provenance(folder, {case.name: history}), strict=False)
     return SignedReport(
         kind="Run",
@@ -79,36 +77,21 @@ def run_report(folder: Path) -> SignedReport:
         question=ASKED,
         lines=(first_screen.sentence(history, results),),
         answers=Rows(COLUMNS, tuple(first_screen.answers(history, results, stress))),
-        given_words=given[0],
-        given=given[1],
-        assumed_words=assumed[0],
-        assumed=assumed[1],
         validity=(OF_THIS_RUN, f"Warning: {warning}." if warning else PLAUSIBLE, COMPARED),
-        checksums=tuple((file.name, signed.file_sum(file)) for file in inputs),
+        checksums=checksums,
         figures=_figures(history, results),
+        **_origins(folder, len(case_rows(case))),
     )
 
 
-def _origins(folder: Path, count: int) -> tuple[tuple[str, Pairs], tuple[str, Pairs]]:
-    """Return words and values of what is given, and of what is assumed."""
+def _origins(folder: Path, count: int) -> dict[str, Any]:
+    """Return the fields on what is given and what is assumed."""
     path = folder / ORIGINS_FILE
     if not path.is_file():
-        return (NO_LEDGER.format(count=count), ()), (signed.NOT_VARIED, ())
+        said = NO_LEDGER.format(count=count)
+        return {"given_words": said, "given": (), "assumed_words": signed.NOT_VARIED, "assumed": ()}
     table = runs.contents(path, lambda one: pd.read_csv(one, dtype=str, keep_default_na=False))
-    general = table["how"] == GENERAL
-    chosen = [tuple(row) for row in table[~general].itertuples(index=False)]
-    given = signed.origin_pairs(chosen, [Origin.GIVEN, Origin.LIBRARY])
-    assumed = signed.origin_pairs(chosen, [Origin.ASSUMED])
-    derived = sum(row[2] == Origin.DERIVED for row in chosen)
-    said = (
-        f"Of {len(table)} values {len(given)} are given by the file or the machine's datasheet, {derived} "
-        "follow from these and typical ones."
-    )
-    unsure = (
-        f"{len(assumed)} typical values, each with range and source in {ORIGINS_FILE}; {int(general.sum())} "
-        f"further values are the same for all machines. {signed.NOT_VARIED}"
-    )
-    return (said, given), (unsure, assumed)
+    return signed.ledger_parts(list(table.itertuples(index=False, name=None)), ORIGINS_FILE)
 
 
 def _figures(history: History, results: pd.DataFrame) -> dict[str, bytes]:

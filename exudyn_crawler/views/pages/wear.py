@@ -8,13 +8,24 @@ from matplotlib.figure import Figure
 
 from exudyn_crawler.results.wear.results import WearResults
 from exudyn_crawler.settings.fields import case_rows
-from exudyn_crawler.views.pages import page
+from exudyn_crawler.views.pages import page, signed
+from exudyn_crawler.views.pages.signed import Pairs, SignedReport
 from exudyn_crawler.views.tables import ORIGIN_COLUMNS, origin_rows
 
 DUE = [
     *("part", "worn in %", "machine hours left", "at least", "at most", "about", "action"),
     *("law", "scatter in %", "readings", "limit in mm", "limit from", "law from"),
 ]
+SIGNED = ["part", "worn in %", "machine hours left", "at least", "at most", "action", "limit in mm"]
+ASKED = "Which part of the undercarriage is worn out first, and after how many machine hours?"
+FITTED = "A law is fitted to the readings: beyond the last of them the hours are an extrapolation."
+RATIOS = (
+    "The work of wear is computed by runs of the duties.",
+    "It gives ratios between duties, machines and parts, and hours only by a stated coefficient.",
+    "It holds if duty and ground stay as they are in these runs.",
+)
+SIGNED_FIGURES = {"Percent worn over hours": "percent worn", "Work of wear round the loop": "loop"}
+"""Columns, question, validity and drawings of the report to sign."""
 BANDS = (
     "A band holds the hours to 100 % worn with 90 % confidence, from the scatter of the readings about the "
     "law. It holds if duty and ground stay as they were. Dotted: the last inspection."
@@ -54,6 +65,28 @@ def write_wear_page(
     sections.append(page.Section("plan", "Wear file", page.table(pd.DataFrame(case_rows(found.plan)))))
     title = f"Wear: {found.plan.name}"
     return page.write_page(page.page(title, found.lines, sections), path, overwrite)
+
+
+def signed_wear(found: WearResults, machine: str, checksums: Pairs, program: str) -> SignedReport:
+    """Return the report to sign of a wear forecast; `machine` are its words, `program` the program's line."""
+    forecast = found.forecast
+    table = found.by_duty if forecast is None else forecast.table[SIGNED]
+    band, holds, _ = BANDS.split(". ", 2)
+    return SignedReport(
+        kind="Wear",
+        title=found.plan.name,
+        facts=(
+            *([("machine", machine)] if machine else []),
+            signed.revision(checksums),
+            ("program", program),
+        ),
+        question=ASKED,
+        lines=tuple(found.lines),
+        answers=signed.rows_of(table),
+        validity=RATIOS if forecast is None else (f"{band}.", f"{holds}.", FITTED),
+        checksums=checksums,
+        **signed.ledger_parts(origin_rows(found.inputs), "inputs.csv"),
+    )
 
 
 def _duty_sections(found: WearResults, drawn: Mapping[str, Figure]) -> list[page.Section]:
