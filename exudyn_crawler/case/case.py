@@ -148,10 +148,14 @@ class Case(Parameters):
         raise ValueError(f"{name}.{tag} must be {tags}, got {getattr(value, tag)!r}")
 
     @property
+    def can_be_compiled(self) -> bool:
+        """True if the case has compiled equations of motion."""
+        return not isinstance(self.contact, SphereContact) and self.terrain_formulation == "reduced"
+
+    @property
     def is_compiled(self) -> bool:
         """True if a run uses the compiled equations of motion."""
-        can_be = not isinstance(self.contact, SphereContact) and self.terrain_formulation == "reduced"
-        return can_be and self.formulation != "engine"
+        return self.can_be_compiled and self.formulation != "engine"
 
     def gravity_vector(self) -> np.ndarray:
         """Return the acceleration of gravity (3,), m/s2: x along the travel at t = 0, z normal to ground."""
@@ -200,6 +204,8 @@ class Case(Parameters):
                 yield "terrain_formulation must be 'reduced' with flexible shoes"
             if spheres:
                 yield "flexible must be none with contact.model 'spheres'; 'pair' and 'cells' allow it"
+            if self.gear.bodies and not self.is_compiled:
+                yield f"flexible must be none with formulation 'engine' and gear.kind {self.gear.kind!r}"
         if isinstance(terrain, Terrain):
             yield from self._unit_errors(terrain)
         if (terrain.model == "cells") != (contact.model == "cells"):

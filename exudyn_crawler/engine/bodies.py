@@ -74,7 +74,8 @@ def _with_points(tables: Tables) -> Tables:
     """Return tables with points as markers: a marker beside a load is added to the marker of the load."""
     markers = tables.markers
     added = np.eye(len(markers.body))
-    added[tables.loads.beside, tables.loads.marker] = 1.0
+    shifts = tables.loads.beside >= 0
+    added[tables.loads.beside[shifts], tables.loads.marker[shifts]] = 1.0
     points = markers._replace(
         position=np.tensordot(added, markers.position, axes=1),
         displacement=np.tensordot(added, markers.displacement, axes=1),

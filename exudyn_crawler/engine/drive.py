@@ -56,15 +56,16 @@ def add_hold(mbs: "exu.MainSystem", case: Case, tables: Tables, shoes: bodies.Sh
 
 
 def add_drive(mbs: "exu.MainSystem", case: Case, tables: Tables, shoes: bodies.Shoes) -> list[int]:
-    """Prescribe the velocity along x of the drive's point and the front shoe's rate about its own z axis.
+    """Prescribe the velocity along x of the drive's point, and a body's rate about its own z axis.
+
+    The body is the front shoe. On a machine that rolls, the point is in its side frame.
 
     Constraints are on velocity level, so that a halved step leaves no error in the acceleration.
     """
     place = tables.markers.position[tables.joints.drive.marker]
     shapes = tables.markers.displacement[tables.joints.drive.marker]
-    shoe = items.MarkerObjectODE2Coordinates(objectNumber=shoes.bodies[-1])
-    ground = items.MarkerNodeCoordinates(nodeNumber=mbs.AddNode(items.NodePointGround()))
-    markers = [mbs.AddMarker(marker) for marker in (shoe, ground)]
+    ground = mbs.AddMarker(items.MarkerNodeCoordinates(nodeNumber=mbs.AddNode(items.NodePointGround())))
+    moved = tables.markers.body[tables.joints.drive.marker], tables.joints.drive.turning
 
     def directions(q: list[float]) -> np.ndarray:
         """Return the factors (2, coordinates) of both in coordinates' rates; `q` includes the reference."""
@@ -84,10 +85,11 @@ def add_drive(mbs: "exu.MainSystem", case: Case, tables: Tables, shoes: bodies.S
         def gap(_mbs, t, _item, q, q_t, _velocity_level):
             return directions(q)[[row]] @ np.array(q_t) - value(t)
 
+        body = items.MarkerObjectODE2Coordinates(objectNumber=shoes.bodies[moved[row]])
         return mbs.AddObject(
             items.ObjectConnectorCoordinateVector(
                 name=name,
-                markerNumbers=markers,
+                markerNumbers=[mbs.AddMarker(body), ground],
                 scalingMarker0=np.zeros((1, 1)),  # declares one equation
                 constraintUserFunction=gap,
                 jacobianUserFunction=lambda _mbs, _t, _item, q, _q_t, _level: directions(q)[[row]],

@@ -20,18 +20,34 @@ SIZE = 7
 class BodyCoordinates:
     """Coordinates of bodies in both forms, and forces on them; further coordinates are the same in both.
 
-    `reference` (bodies, 6) has the positions (m) and angles (rad) at zero coordinates of a state.
+    Exudyn's begin with those of all bodies. In a state bodies may have their coordinates anywhere.
+    `reference` (bodies, 6) has the positions (m) and angles (rad) at zero coordinates of a state,
+    `coordinate` (bodies,) the number of every body's first coordinate in a state, and `size` is the number of
+    the state's coordinates.
     """
 
-    def __init__(self, reference: np.ndarray) -> None:
+    def __init__(self, reference: np.ndarray, coordinate: np.ndarray, size: int) -> None:
         self._reference = reference[:, 3:]
         self._turned = self._reference
+        of_bodies = (coordinate[:, None] + np.arange(6)).ravel()
+        # numbers of a state's coordinates, those of all bodies first
+        self._order = np.concatenate((of_bodies, np.setdiff1d(np.arange(size), of_bodies)))
 
     def _split(self, values: np.ndarray, size: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Return the first three numbers of every body, its others, and the numbers after the bodies."""
         count = size * len(self._reference)
         bodies = values[:count].reshape(-1, size)
         return bodies[:, :3], bodies[:, 3:], values[count:]
+
+    def _split_state(self, values: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Return the same numbers of a state."""
+        return self._split(values[self._order], 6)
+
+    def _as_state(self, split: tuple[np.ndarray, np.ndarray, np.ndarray], turned: np.ndarray) -> np.ndarray:
+        """Return numbers in the order of a state, with those of the bodies' rotation replaced."""
+        out = np.empty(len(self._order))
+        out[self._order] = _joined(split, turned)
+        return out
 
     def _turn(self, q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return G (3, 4, bodies), and angles (bodies, 3), at Exudyn's coordinates."""
@@ -40,7 +56,7 @@ class BodyCoordinates:
 
     def of_state(self, q: np.ndarray, q_t: np.ndarray, q_tt: np.ndarray) -> list[np.ndarray]:
         """Return Exudyn's coordinates, rates and accelerations from those of a state."""
-        split = [self._split(values, 6) for values in (q, q_t, q_tt)]
+        split = [self._split_state(values) for values in (q, q_t, q_tt)]
         angles, rates, accelerations = (turned for _, turned, _ in split)
         angles = self._reference + angles
         self._turned = angles
@@ -62,12 +78,12 @@ class BodyCoordinates:
         self._turned = np.unwrap(np.stack((self._turned, angles)), axis=0)[1]
         turned = [self._turned - self._reference, rotations.angle_rates(angles, spin)]
         turned += [rotations.angle_accelerations(angles, turned[1], change) for change in changes]
-        return [_joined(*parts) for parts in zip(split, turned, strict=True)]
+        return [self._as_state(*parts) for parts in zip(split, turned, strict=True)]
 
     def forces_of_state(self, q: np.ndarray, forces: np.ndarray) -> np.ndarray:
         """Return the generalized forces on Exudyn's coordinates from those on a state's."""
         G, angles = self._turn(q)
-        split = self._split(forces, 6)
+        split = self._split_state(forces)
         return _joined(split, np.einsum("ijn,ni->nj", G, rotations.moments_of(angles, split[1])))
 
     def wrenches(self, q: np.ndarray, forces: np.ndarray) -> np.ndarray:
@@ -77,7 +93,23 @@ class BodyCoordinates:
         """
         G, _ = self._turn(q)
         split = self._split(forces, SIZE)
-        return _joined(split, 0.25 * np.einsum("ijn,nj->ni", G, split[1]))
+        return self._as_state(split, 0.25 * np.einsum("ijn,nj->ni", G, split[1]))
+
+    def motions(self, q: np.ndarray) -> np.ndarray:
+        """Return the factors from rates of Exudyn's coordinates to those of a state's: dense array."""
+        G, angles = self._turn(q)
+        bodies = len(angles)
+        count = len(self._order)
+        factors = np.zeros((count, count + bodies))
+        by_parameters = rotations.angle_rates(
+            np.repeat(angles[:, None], 4, axis=1), np.ascontiguousarray(G.transpose(2, 1, 0))
+        )
+        for b in range(bodies):
+            rows = self._order[6 * b : 6 * b + 6]
+            factors[rows[:3], SIZE * b + np.arange(3)] = 1.0
+            factors[rows[3:, None], SIZE * b + np.arange(3, SIZE)] = by_parameters[b].T
+        factors[self._order[6 * bodies :], np.arange(SIZE * bodies, count + bodies)] = 1.0
+        return factors
 
 
 def _joined(split: tuple[np.ndarray, np.ndarray, np.ndarray], turned: np.ndarray) -> np.ndarray:

@@ -1,9 +1,9 @@
 """Multibody system of a case with Exudyn's own items, the second formulation.
 
 Exudyn forms the equations of motion, with Euler parameters instead of angles and its own floating frames of
-reference, and differentiates them numerically. The contact of shoes and ground is one user force that calls
-the kernel of the compiled equations. States are those of the compiled equations. This formulation serves
-every case without rollers, and as a check of the compiled equations.
+reference, and differentiates them numerically. The forces of ground, wheels, teeth and arms are one user
+force, which calls the kernels of the compiled equations. States are those of the compiled equations. This
+formulation is the check of the compiled equations.
 """
 
 import dataclasses
@@ -13,41 +13,55 @@ from typing import Any
 import numpy as np
 
 from exudyn_crawler.case import Case
-from exudyn_crawler.engine import bodies, drive, euler_parameters, spheres
+from exudyn_crawler.engine import bodies, drive, euler_parameters, machine, spheres
+from exudyn_crawler.engine.kernel_forces import KernelForces
 from exudyn_crawler.errors import LeftMapError
 from exudyn_crawler.ground import terrain
 from exudyn_crawler.ground.cells.contact import CellGroundContact
 from exudyn_crawler.ground.contact import PairGroundContact
 from exudyn_crawler.model import state, track_system
 from exudyn_crawler.model.assemble import Assembly, assemble
+from exudyn_crawler.model.compiled_system import CompiledSystem
 from exudyn_crawler.model.diagnostics import NewtonError
-from exudyn_crawler.model.exudyn import exu, integrator, items
+from exudyn_crawler.model.exudyn import exu, integrator, items, sparse
 from exudyn_crawler.model.forces.cells import CellWorkspace, OnCells, TrackOnCells
+from exudyn_crawler.model.gear import GearForces
 from exudyn_crawler.model.layout import layout_of
 
 SHARPENING = 0.1
 """Tolerance of the iteration, fraction of the residual that ends a step: with the Jacobian of an earlier step
 the iteration ends just below its tolerance, with a new one far below."""
 
+PULLS, SAME_PULL = 50, 1e-10
+"""Greatest number of repetitions of the initial multipliers, and their relative change that ends them."""
+
 FREE_ROTATION = 4
 """Index of the zero multiplier among the six of Exudyn's joint, whose rotation about y is free."""
 
 
 class ExudynSystem(track_system.TrackSystem):
-    """Multibody system of a case with Exudyn's items; ValueError for bodies beside the shoes.
+    """Multibody system of a case with Exudyn's items.
 
     `static` holds the front shoe in x, y and about z instead of driving it, and keeps the loads of t = 0. It
-    adds aids for the search for rest: friction on slopes, dashpots on uneven ground. `general` is Exudyn's
-    contact, if the case uses it.
+    adds aids for the search for rest: friction on slopes, dashpots on uneven ground. It serves shoes alone; a
+    machine on them raises ValueError. `general` is Exudyn's contact, if the case uses it.
     """
 
     def __init__(self, case: Case, static: bool = False) -> None:
-        if case.gear.bodies:
+        if static and case.gear.bodies:
             kind = case.gear.kind
-            raise ValueError(f"gear.kind must be 'dragged' for a system of Exudyn's items, got {kind!r}")
+            raise ValueError(f"gear.kind must be 'dragged' for a rest of Exudyn's items, got {kind!r}")
         assembly = assemble(case)
         super().__init__(case, assembly)
-        self._coordinates = euler_parameters.BodyCoordinates(assembly.tables.bodies.reference)
+        table = assembly.tables.bodies
+        size = (
+            6 * len(table.mass)
+            + self.contact.coordinates.size
+            + int((table.modal >= 0).sum()) * len(assembly.tables.modes.stiffness)
+        )
+        self._coordinates = euler_parameters.BodyCoordinates(table.reference, table.coordinate, size)
+        # the forces of a machine, by the compiled equations of the same tables
+        self._kernels = CompiledSystem(case, assembly) if case.gear.bodies else None
         self.general: exu.GeneralContact | None = None
         self._cause = ""  # cause of an early end of a run
         self._assemble(assembly, static)
@@ -69,6 +83,9 @@ class ExudynSystem(track_system.TrackSystem):
             ground = bodies.add_terrain_modes(mbs, tables, gravity)
         shoes = bodies.add_shoes(mbs, tables, nodes, gravity)
         self._shoe_bodies = shoes.bodies
+        if self._kernels is not None:
+            self._assemble_machine(assembly, self._kernels, shoes, [*nodes, *ground])
+            return
         for (name, _), pin in zip(assembly.rows, tables.joints.pins.markers, strict=False):
             ends = [shoes.markers[end] for end in pin]
             mbs.CreateGenericJoint(name, ends, constrainedAxes=[1, 1, 1, 1, 0, 1])
@@ -86,6 +103,53 @@ class ExudynSystem(track_system.TrackSystem):
         else:
             self._drives = drive.add_drive(mbs, case, tables, shoes)
         mbs.Assemble()
+
+    def _assemble_machine(
+        self, assembly: Assembly, kernels: CompiledSystem, shoes: bodies.Shoes, nodes: list[int]
+    ) -> None:
+        """Add joints, loads and forces of a machine on its tracks."""
+        mbs = self.mbs
+        tables = assembly.tables
+        joints = tables.joints
+        names = [name for name, _ in assembly.rows]
+        pins = len(joints.pins.markers)
+        springs = machine.add_pins(mbs, names[:pins], joints.pins, shoes.markers)
+        self._drives = drive.add_drive(mbs, self.case, tables, shoes)
+        holds = len(joints.holds.coordinates)
+        machine.add_holds(mbs, names[pins + machine.DRIVES :][:holds], joints.holds.coordinates, shoes)
+        machine.add_motors(mbs, names[pins + machine.DRIVES + holds :], kernels, shoes)
+        machine.add_wrenches(mbs, kernels, shoes.markers)
+        self.cells = kernels.cells
+        data: Any = mbs.systemData
+
+        def drive_force() -> float:
+            return float(data.GetAECoordinates()[data.GetObjectLTGAE(self._drives[0])[0]])
+
+        forces = KernelForces(kernels, self._coordinates, drive_force)
+
+        def force(_mbs, t, _item, q, q_t):
+            return forces.forces(t, np.array(q), np.array(q_t))
+
+        def stiffness(_mbs, t, _item, q, q_t, position, velocity):
+            return sparse(forces.stiffness(t, np.array(q), np.array(q_t), position, velocity))
+
+        mbs.AddObject(
+            items.ObjectGenericODE2(
+                "kernels",
+                nodes,
+                exu.MatrixContainer(),
+                forceUserFunction=force,
+                jacobianUserFunction=stiffness,
+            )
+        )
+        mbs.Assemble()
+        self._reactions = machine.Reactions(
+            tables.markers.body[joints.pins.markers[:, 0]],
+            tables.markers.body[joints.pins.markers[:, 1]],
+            springs,
+            bool(joints.pins.in_plane),
+            joints.holds.coordinates,
+        )
 
     def _add_force(self, nodes: list[int], forces: Callable[[np.ndarray, np.ndarray], np.ndarray]) -> None:
         """Add the ground's forces on a state's coordinates, by these and their rates, as one user force."""
@@ -110,7 +174,10 @@ class ExudynSystem(track_system.TrackSystem):
 
         def remembered(time: float) -> bool:
             state = np.stack(self.coordinates())
-            cells.forces(*state[:2])
+            if self._kernels is None:
+                cells.forces(*state[:2])
+            else:
+                self._kernels.residual(state, self._kernels.inputs(time))
             cells.commit()
             goes_on = report(time)
             try:
@@ -129,6 +196,8 @@ class ExudynSystem(track_system.TrackSystem):
         """
         data = self.mbs.systemData
         compiled = layout_of(self.case, assembly)
+        if self._kernels is not None:
+            return compiled, machine.equations_of(self.mbs, assembly)
         norms = {row for body in self._shoe_bodies for row in data.GetObjectLTGAE(body)}
         rows: dict[str, list[int]] = {name: [] for name, _ in compiled.multipliers}
         for number in range(data.NumberOfObjects()):
@@ -154,7 +223,23 @@ class ExudynSystem(track_system.TrackSystem):
     @property
     def multipliers(self) -> np.ndarray:
         """Multipliers of all constraints; see `TrackSystem`."""
-        return np.array(self.mbs.systemData.GetAECoordinates())[self._rows]
+        own = self._equations(np.array(self.mbs.systemData.GetAECoordinates()))
+        if self._kernels is None:
+            return own
+        state = self.coordinates()[0]
+        bodies = self._kernels.tables.bodies
+        angles = bodies.reference[:, 3:] + state[bodies.coordinate[:, None] + np.arange(3, 6)]
+        return self._reactions.multipliers(self.mbs, own, angles)
+
+    def _equations(self, values: np.ndarray) -> np.ndarray:
+        """Return the values of Exudyn's algebraic equations in the layout's order, zero where it has none."""
+        return np.append(values, 0.0)[self._rows]
+
+    def gear_forces(self, times: np.ndarray, q: np.ndarray, q_t: np.ndarray) -> GearForces:
+        """Return the forces of the gear; see `TrackSystem`."""
+        if self._kernels is None:
+            return super().gear_forces(times, q, q_t)
+        return self._kernels.gear_forces(times, q, q_t)
 
     def set_initial(self, q: np.ndarray, q_t: np.ndarray | None = None) -> None:
         """Set the initial coordinates, and the initial rates; without rates the system starts at rest."""
@@ -190,9 +275,9 @@ class ExudynSystem(track_system.TrackSystem):
 
     def switch_drive(self, on: bool) -> None:
         """Switch the drive of the front shoe on or off."""
-        speeds = self.case.drive.speed, self.case.drive.turn_rate
-        for item, speed in zip(self._drives, speeds, strict=True):
-            self.mbs.SetObjectParameter(item, "activeConnector", on and speed is not None)
+        turned = self.case.drive.turn_rate is not None
+        for item, acts in zip(self._drives, self.case.gear.active(on, on and turned), strict=True):
+            self.mbs.SetObjectParameter(item, "activeConnector", bool(acts))
 
     def solve(
         self, settings: "exu.SimulationSettings", next_end: Callable[[float], float] | None = None
@@ -200,6 +285,9 @@ class ExudynSystem(track_system.TrackSystem):
         """Integrate between the times of the settings; see `TrackSystem.solve`."""
         newton = settings.timeIntegration.newton
         newton.numericalDifferentiation.doSystemWideDifferentiation = self.general is not None
+        starts = settings.timeIntegration.generalizedAlpha.computeInitialAccelerations
+        if starts and self._kernels is not None:
+            self._find_pull(settings)
         tolerance = newton.absoluteTolerance
         solver = integrator(self.mbs, next_end)
         newton.absoluteTolerance = SHARPENING * tolerance
@@ -212,6 +300,23 @@ class ExudynSystem(track_system.TrackSystem):
             newton.absoluteTolerance = tolerance
         if self._cause:
             raise NewtonError(np.zeros(self.layout.equation_count), False, self._cause)
+
+    def _find_pull(self, settings: "exu.SimulationSettings") -> None:
+        """Set the initial multipliers to those with which Exudyn computes them.
+
+        Exudyn's initial accelerations follow from given forces, of which the pull of a drive is a multiplier.
+        """
+        data: Any = self.mbs.systemData
+        initial = exu.ConfigurationType.Initial
+        for _ in range(PULLS):
+            solver: Any = exu.MainSolverImplicitSecondOrder()
+            solver.InitializeSolver(self.mbs, settings)
+            own = np.array(data.GetAECoordinates())
+            solver.FinalizeSolver(self.mbs, settings)
+            change = np.abs(own - data.GetAECoordinates(initial)).max()
+            data.SetAECoordinates(own.tolist(), initial)
+            if change <= SAME_PULL * np.abs(own).max():
+                return
 
     def rest(self, settings: "exu.SimulationSettings") -> np.ndarray:
         """Return the coordinates at rest of a static system, from its initial ones; else `NewtonError`."""
@@ -229,5 +334,5 @@ class ExudynSystem(track_system.TrackSystem):
         # the dynamic solver scales the equations of motion by the factor from accelerations to displacements
         scale = 1.0 if solver.IsStaticSolver() else solver.newmarkBeta * solver.it.currentStepSize**2
         forces, gaps = np.split(np.array(solver.GetSystemResidual()), [len(q)])
-        residual = np.concatenate((self._coordinates.wrenches(q, forces / scale), gaps[self._rows]))
+        residual = np.concatenate((self._coordinates.wrenches(q, forces / scale), self._equations(gaps)))
         return NewtonError(residual, bool(solver.conv.linearSolverFailed))

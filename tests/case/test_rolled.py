@@ -55,7 +55,7 @@ def test_case_file_gives_the_case_again(read, tmp_path):
         (FRAME, {"inertia": (1.0, 1.0, 10.0, 0.0, 0.0, 0.0)}, "inertia: must be the inertia of a body"),
         (FRAME, {"rollers": (0.0,)}, "at least 2"),
         (ROLLED, {"shoe": Shoe.ph4100c()}, "shoe.rails must be given"),
-        (ROLLED, {"formulation": "engine"}, "formulation 'engine'"),
+        (ROLLED, {"terrain_formulation": "constrained"}, "terrain_formulation 'constrained' do not go with"),
         (ROLLED, {"drive": Drive.turning()}, "drive.turn_rate must be none"),
         (ROLLED, {"drive": Drive.to_rest()}, "drive.on must be none"),
         (ROLLED, {"loads": LoadCycle.propel(24)}, "loads must be zero"),

@@ -227,11 +227,6 @@ def test_exudyns_bodies_move_alike_on_cells(dragged):
     assert_alike(dragged, run, allowed)
 
 
-def test_exudyns_bodies_do_not_roll():
-    with pytest.raises(ParameterError, match=r"formulation 'engine', .* do not go with gear.kind 'rolled'"):
-        Case.rolled().on_cells(SAND).with_(formulation="engine")
-
-
 @pytest.mark.slow
 def test_exudyns_floating_frame_moves_alike_on_cells():
     case = three_shoes(SAND, base=Case.stress("coarse"), drive=JERK).with_({"solver.residual": 1e-3})

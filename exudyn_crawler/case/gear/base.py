@@ -87,6 +87,10 @@ class Whole(Protocol):
         """Acceleration of gravity, m/s2."""
 
     @property
+    def can_be_compiled(self) -> bool:
+        """Existence of compiled equations of motion, true or false."""
+
+    @property
     def is_compiled(self) -> bool:
         """Use of the compiled equations of motion in a run, true or false."""
 

@@ -1,0 +1,87 @@
+"""Gears of Exudyn's own bodies, joints and springs move as the compiled equations say."""
+
+import numpy as np
+import pytest
+
+from exudyn_crawler import Case, StepProfile
+from exudyn_crawler.engine.formulation import track_system
+from exudyn_crawler.engine.system import ExudynSystem
+from exudyn_crawler.errors import ParameterError
+from exudyn_crawler.run.solve.simulation import integrate, solved_for_tension
+from exudyn_crawler.run.solve.start import begin
+from tests.model.test_arms import arms_of
+from tests.model.test_bogie import BOGIE
+from tests.rolled import SPEED, small_case, small_flexible_case
+
+pytestmark = pytest.mark.simulation
+
+TURN = StepProfile(times=(0.0, 0.1), values=(0.0, 0.1))
+"""rad/s."""
+
+
+def driven(case, **drive):
+    """The case with a drive that starts fast, and a residual that leaves no difference."""
+    return case.with_({"solver.residual": 1e-3, "drive": case.drive.with_(speed=SPEED, **drive)})
+
+
+CASES = {
+    "rolled": (small_case, 0.06),
+    "bogie": (lambda: small_case(bogies=(BOGIE,)), 0.04),
+    "arms": (lambda: small_case(arms=arms_of()), 0.04),
+    "closed": (lambda: driven(Case.closed()), 0.02),
+    "closed on posts": (lambda: driven(Case.closed().with_({"gear.support": "posts"})), 0.01),
+    "machine that turns": (lambda: driven(Case.shovel(), turn_rate=TURN), 0.01),
+}
+
+
+def both(case, duration):
+    """Histories of both formulations from one start."""
+    case = solved_for_tension(case.with_({"solver.residual": 1e-3}), False)
+    compiled, engine = (track_system(case.with_(formulation=one)) for one in ("compiled", "engine"))
+    engine.set_initial(*begin(compiled))
+    return [integrate(system, duration, False) for system in (compiled, engine)]
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_a_short_run_is_the_same_in_both_formulations(name):
+    make, duration = CASES[name]
+    own, engine = (run.dataset for run in both(make(), duration))
+    angles = [variable for variable in own if variable.endswith(("angle", "angles"))]
+    for variable in ("position", "side_frame_position", *angles):
+        np.testing.assert_allclose(engine[variable], own[variable], rtol=0.0, atol=1e-7, err_msg=variable)
+    forces = ("joint_force", "normal_force", "friction_force", "wheel_force", "roller_force", "tooth_force")
+    assert float(np.abs(own["joint_force"]).max()) > 1e5
+    for variable in (*forces, "drive_pull", "drive_moment"):
+        if variable in own and own[variable].size:
+            # friction is small at the start, and as exact as the forces that press the shoes down
+            scale = own["normal_force" if variable == "friction_force" else variable]
+            most = 1e-5 * float(np.abs(scale).max())
+            np.testing.assert_allclose(engine[variable], own[variable], rtol=0.0, atol=most, err_msg=variable)
+
+
+def test_bodies_pins_and_springs_are_exudyns():
+    case = Case.closed()
+    mbs = ExudynSystem(case.with_(formulation="engine")).mbs
+    kinds = [mbs.GetObject(number)["objectType"] for number in range(mbs.systemData.NumberOfObjects())]
+    shoes = case.track.shoe_count
+    # beside the shoes a side frame and a tumbler; a bearing, and a hold of the frame's yaw
+    assert kinds.count("RigidBody") == shoes + 2
+    assert kinds.count("JointGeneric") == shoes + 2
+    assert kinds.count("ConnectorRigidBodySpringDamper") == shoes
+
+
+@pytest.mark.parametrize(
+    ("case", "changes", "message"),
+    [
+        (small_flexible_case(), {}, "flexible must be none with formulation 'engine' and gear.kind 'rolled'"),
+        (Case.rolled(), {"terrain_formulation": "constrained"}, "do not go with gear.kind 'rolled'"),
+        (
+            Case.closed(),
+            {"gear.torque_limit": 1e5},
+            "gear.torque_limit must be none with formulation 'engine'",
+        ),
+    ],
+)
+def test_parts_without_exudyns_items_are_refused(case, changes, message):
+    with pytest.raises(ParameterError, match=message):
+        case.with_({"formulation": "engine"} | changes)
