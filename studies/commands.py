@@ -291,6 +291,7 @@ def plate_sweep(
     out: Out = RESULTS / "plate_sweep",
 ) -> None:
     """Sweep top plate and ground against the life of the roller path; the same command continues."""
+    application.require_sweeps()  # before it meshes for minutes
     from studies.plate_sweep import study
 
     run = study(out, workers=workers, say=typer.echo)

@@ -628,27 +628,74 @@ def test_a_unit_of_a_case_that_there_is_none_of_is_written_with_a_warning(call, 
     assert err.startswith("warning: gear.stiffness: ")
 
 
-@pytest.mark.parametrize("command", ["sweep", "fmu"])
-def test_commands_without_what_they_need_say_how_to_get_it(refused, soils, monkeypatch, command):
-    monkeypatch.setattr(commands, "find_spec", lambda name: None)
-    assert f"pip install -e '.[{command}]' in the folder of exudyn-crawler" in refused(command, soils.name)
-
-
 def test_a_package_that_is_not_installed_is_told_of_with_what_installs_it(refused, tmp_path, monkeypatch):
     (tmp_path / "mine.step").write_text("ISO-10303-21;")
     with monkeypatch.context() as without:
         without.setitem(sys.modules, "netgen", None)
         words = "a STEP file needs netgen, which is not installed: pip install netgen-mesher"
         assert words in refused("shoe", "mine.step")
-    for package, where in (("pythonfmu", "'.[fmu]'"), ("salib", "'.[sweep]'"), ("meshio", ".")):
+    for package, extra in (("pythonfmu", "[fmu]"), ("salib", "[sweep]"), ("meshio", "")):
         monkeypatch.setitem(sys.modules, package, None)
         missing = ModuleNotFoundError(f"No module named '{package}.some'", name=f"{package}.some")
         lines, code = application._lines(missing)
         assert code == application.BAD_INPUT
-        assert lines[0].startswith(f"the package {package} is not installed: pip install -e {where} in")
+        assert lines == [f'the package {package} is not installed: pip install "exudyn-crawler{extra}"']
     # a module that an installed package should have is a fault of the program
     lines, code = application._lines(ModuleNotFoundError("No module named 'fem.gone'", name="fem.gone"))
     assert (code, lines[0][-31:]) == (application.OTHER, "(unexpected; --debug shows where)"[-31:])
+
+
+WITHOUT = """
+import importlib.metadata, re, runpy, sys
+from importlib.machinery import PathFinder
+words = importlib.metadata.requires("exudyn-crawler")
+of_extras = [word for word in words if re.search("extra == .(app|fmu|report|sweep)", word)]
+extras = {re.match("[A-Za-z0-9-]+", word)[0].lower() for word in of_extras}
+homes = importlib.metadata.packages_distributions()
+hidden = {module for module, packages in homes.items() if extras & {package.lower() for package in packages}}
+assert {"nicegui", "distributed", "SALib", "pythonfmu", "typst"} <= hidden
+class Without(PathFinder):
+    @classmethod
+    def find_spec(cls, name, path=None, target=None):
+        return None if name.partition(".")[0] in hidden else super().find_spec(name, path, target)
+sys.meta_path[sys.meta_path.index(PathFinder)] = Without
+runpy.run_module(sys.argv.pop(1), run_name="__main__", alter_sys=True)
+"""
+OURS, STUDIES = "exudyn_crawler", "studies"
+
+
+def without_extras(program, line, folder):
+    """Run a command where the modules of all extras cannot be found."""
+    words = [sys.executable, "-c", WITHOUT, program, *line.split()]
+    return subprocess.run(words, cwd=folder, capture_output=True, text=True, check=False)
+
+
+@pytest.mark.parametrize(
+    ("program", "line", "extra"),
+    [
+        (OURS, "app . --no-browser", "app"),
+        (OURS, "sweep sweep.toml --dry-run", "sweep"),
+        (OURS, "scatter sweep.toml --dry-run", "sweep"),
+        (STUDIES, "plate-sweep --workers 1", "sweep"),
+        (OURS, "fmu mine.toml", "fmu"),
+        (OURS, "report . --pdf", "report"),
+    ],
+)
+def test_without_all_extras_a_command_that_needs_one_names_it(tmp_path, program, line, extra):
+    for name in ("sweep.toml", "mine.toml", "history.nc"):
+        (tmp_path / name).touch()
+    done = without_extras(program, line, tmp_path)
+    assert (done.returncode, done.stdout) == (2, "")
+    assert done.stderr.endswith(f', of the extra {extra!r}: pip install "exudyn-crawler[{extra}]"\n')
+    assert len(done.stderr.splitlines()) == 1
+
+
+@pytest.mark.parametrize(
+    "line", ["--help", "machines", "info stress", "init my --machine pc300lc", "life --help"]
+)
+def test_without_all_extras_other_commands_work(tmp_path, line):
+    done = without_extras(OURS, line, tmp_path)
+    assert (done.returncode, done.stderr) == (0, "")
 
 
 def test_a_shoe_that_has_an_ending_for_its_name_is_refused(refused, tmp_path):

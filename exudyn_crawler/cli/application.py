@@ -42,10 +42,21 @@ Changes = Annotated[
 
 def needs(what: str, modules: Iterable[str], extra: str) -> str:
     """Return a line with the missing modules of an extra, and the command that installs them."""
-    return (
-        f"{what} must have {', '.join(modules)}, of the extra {extra!r}: pip install -e '.[{extra}]' in the "
-        "folder of exudyn-crawler"
-    )
+    return f"{what} must have {', '.join(modules)}, of the extra {extra!r}: {_installing(extra)}"
+
+
+def require_sweeps() -> None:
+    """Raise ValueError if a module of the extra `sweep` is missing."""
+    if missing := [module for module in SWEEPS if find_spec(module) is None]:
+        raise ValueError(needs("sweeps", missing, "sweep"))
+
+
+def _installing(extra: str) -> str:
+    """Return the command that adds what is missing to an installed wheel or checkout, in any shell.
+
+    pip keeps the installed package itself, and looks for it nowhere.
+    """
+    return f'pip install "{DISTRIBUTION}{extra and f"[{extra}]"}"'
 
 
 def run_folder(run: Path) -> Path:
@@ -96,6 +107,10 @@ OTHER, BAD_INPUT, STOPPED = 1, 2, 3  # exit codes
 OF_PATHS = FileNotFoundError, FileExistsError, NotADirectoryError, IsADirectoryError, PermissionError
 BAD_INPUT_ERRORS = (ValueError, BlockingIOError, *OF_PATHS)
 DISTRIBUTION = "exudyn-crawler"
+SWEEPS = ("distributed", "SALib")
+"""Modules of the extra `sweep`."""
+SUMS = ("all", "dev")
+"""Extras that contain others."""
 OF_EXTRA = re.compile(r"extra == ['\"]([\w-]+)['\"]")
 CASES = "exudyn_crawler.cases"  # group of entry points: functions that return a `CaseFile` to start from
 
@@ -249,9 +264,8 @@ def _missing(error: ModuleNotFoundError) -> str:
     if not package or find_spec(package) is not None:
         return ""
     lines = [line for line in requires(DISTRIBUTION) or () if line.lower().startswith(package.lower())]
-    extras = [found[1] for line in lines if (found := OF_EXTRA.search(line)) and found[1] != "dev"]
-    where = f"'.[{extras[0]}]'" if extras else "."
-    return f"the package {package} is not installed: pip install -e {where} in the folder of {DISTRIBUTION}"
+    extras = [found[1] for line in lines if (found := OF_EXTRA.search(line)) and found[1] not in SUMS]
+    return f"the package {package} is not installed: {_installing(extras[0] if extras else '')}"
 
 
 def _interrupted(error: BaseException | None) -> bool:

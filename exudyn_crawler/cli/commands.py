@@ -26,7 +26,6 @@ if TYPE_CHECKING:
     from exudyn_crawler.sweep.results import SweepRun
 
 START = "kinematics"  # default study of `init`
-NEEDED = ("distributed", "SALib")  # modules of the extra `sweep`
 SHOWN = 60  # greatest number of printed rows of the table of runs
 
 app = typer.Typer(help="Simulator of the crawler tracks of mining shovels.", no_args_is_help=True)
@@ -335,8 +334,7 @@ def _sweeping(show: Callable[["SweepRun"], None], example: str, sampled: bool = 
         retry: Annotated[bool, typer.Option("--retry", help="run failed runs again")] = False,
         overwrite: application.Overwrite = False,
     ) -> None:
-        if missing := [module for module in NEEDED if find_spec(module) is None]:
-            raise ValueError(application.needs("sweeps", missing, "sweep"))
+        application.require_sweeps()
         from exudyn_crawler.settings.fields import value_text
         from exudyn_crawler.sweep.scatter import DutyScatter, read_scatter
 

@@ -126,4 +126,4 @@ def test_the_command_makes_a_report_of_each_folder(folder, told, refused, tmp_pa
     assert "one folder, got 2" in refused("report", str(folder), str(tmp_path), "--out", "a.pdf")
     assert "holds neither" in refused("report", str(tmp_path), "--pdf")
     monkeypatch.setattr(looking, "find_spec", lambda _: None)
-    assert "pip install -e '.[report]'" in refused("report", str(folder), "--pdf")
+    assert 'pip install "exudyn-crawler[report]"' in refused("report", str(folder), "--pdf")
