@@ -47,7 +47,7 @@ SPOTS = pd.DataFrame(
         "jump in MPa": [15.8658, 3.43212],
         "error in MPa": [9.6184, 9.0107],
         "flag": ["", ""],
-        "verdict": ["mesh-limited: refine here", "good to 15 %"],
+        "verdict": ["mesh too coarse: refine here", "good to 15 %"],
         "contribution of pins": [1.009, 0.991],
     }
 )

@@ -111,9 +111,7 @@ def node_stress(
         f"{stress.attrs['distance_m']:.4f} m from the given point"
     )
     if stress.attrs["in_spider"]:
-        typer.echo(
-            "the node belongs to a joint's rigid spider: its stress is beside a rigid coupling, not in a bore"
-        )
+        typer.echo("the node is held by a pin coupling: its stress is beside a rigid coupling, not in a bore")
     mises = stress.von_mises.values
     greatest = int(mises.argmax())
     typer.echo(

@@ -16,7 +16,7 @@ Values = dict[str, Any]
 """Values of a case file by their paths, to be changed together; None removes a key."""
 SOIL = "soil"
 SLOPE = "slope"
-OBSTACLE = "put ahead of the machine"
+OBSTACLE = "obstacle on the way"
 DUTY = "travel or work"
 AHEAD = 1.0
 """Distance of a new obstacle ahead of the foremost shoe, m."""

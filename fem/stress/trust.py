@@ -32,7 +32,7 @@ GRADES = (5, 10, 15, 20, 25, 30, 40, 50)
 VERDICTS = (
     *(f"good to {grade} %" for grade in GRADES),
     f"uncertain by more than {GRADES[-1]} %",
-    "mesh-limited: refine here",
+    "mesh too coarse: refine here",
     "beside a pin coupling: do not use",
 )
 """Verdicts in order of their numbers, from 0."""

@@ -114,7 +114,7 @@ def test_a_mesh_made_too_coarse_is_caught():
         free = np.flatnonzero(mesh.nodes[:, 0] > 0.5 * INNER)
         table = judged(fem.hot_spots(shapes, [0.0], np.ones((1, 1)), 3, nodes=free), truncation=0.0)
         verdicts[count] = set(table["verdict"]), true_error(mesh)[0].max()
-    assert verdicts[1][0] == {"mesh-limited: refine here"}
+    assert verdicts[1][0] == {"mesh too coarse: refine here"}
     assert verdicts[1][1] > MESH_LIMIT
     assert verdicts[8][0] <= {"good to 5 %", "good to 10 %"}
     assert verdicts[8][1] < 0.05
@@ -128,7 +128,7 @@ def test_a_coarse_shoe_is_caught(shoe, partition):
     shapes = fem.Shapes(shoe.mesh, STEEL, partition.interfaces, u, shoe.stress(u))
     away = shapes.nodes_away_from_spiders
     table = judged(fem.hot_spots(shapes, [0.0], np.ones((1, 1)), 5, nodes=away), truncation=0.0)
-    assert (table["verdict"] == "mesh-limited: refine here").all()
+    assert (table["verdict"] == "mesh too coarse: refine here").all()
     held = judged(fem.hot_spots(shapes, [0.0], np.ones((1, 1)), 3, nodes=shapes.spider_nodes))
     assert (held["verdict"] == "beside a pin coupling: do not use").all()
 
@@ -146,8 +146,8 @@ def peak(**changes: float | str) -> pd.DataFrame:
         ({"value": -100.0}, {"truncation": 1.5}, "good to 10 %"),
         ({}, {"truncation": 1.0, "spread": [15.0], "choice": 6.0}, "good to 30 %"),
         ({}, {"truncation": 0.0, "spread": 60.0}, "uncertain by more than 50 %"),
-        ({"error": 21.0}, {"truncation": 0.0}, "mesh-limited: refine here"),
-        ({"jump": 60.0}, {"truncation": 0.0}, "mesh-limited: refine here"),
+        ({"error": 21.0}, {"truncation": 0.0}, "mesh too coarse: refine here"),
+        ({"jump": 60.0}, {"truncation": 0.0}, "mesh too coarse: refine here"),
         ({"flag": "beside spider"}, {"truncation": 0.0}, "good to 5 %"),
         ({"flag": "in spider", "error": 16.0}, {}, "beside a pin coupling: do not use"),
     ],

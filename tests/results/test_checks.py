@@ -164,7 +164,10 @@ def test_what_yields_is_told_before_what_cracks_first_below_yield():
         ],
         columns=["from", "to", "region", CYCLES, "above yield"],
     )
-    peaks = [("strike", "wings", 2936.0, "resolved"), ("stone", "wings", 300.0, "mesh-limited: refine here")]
+    peaks = [
+        ("strike", "wings", 2936.0, "resolved"),
+        ("stone", "wings", 300.0, "mesh too coarse: refine here"),
+    ]
     table = pd.DataFrame(peaks, columns=["case", "region", "von Mises in MPa", "verdict"])
     check = SimpleNamespace(material=FatigueMaterial.cast_nicrmo())
 
@@ -179,7 +182,7 @@ def test_what_yields_is_told_before_what_cracks_first_below_yield():
     assert "yields; 1 of 2 cycles do" in above
     assert below == (
         "first to crack below yield: wings, after 20 000 cycles from 'unloaded' to 'stone'; stress there "
-        "mesh-limited: refine here"
+        "mesh too coarse: refine here"
     )
     assert len(lines(cycles[:1])) == 1
     assert lines(cycles[1:])[0].startswith("first to crack: wings, after 20 000")

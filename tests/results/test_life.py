@@ -151,7 +151,7 @@ def test_every_life_has_a_range_and_a_verdict(found):
         assert row["life in h at least"] == pytest.approx(min(1.0 / (damage * factor), BEYOND))
         assert row["life in h at most"] == pytest.approx(min(factor / damage, BEYOND))
         assert row["verdict"] == VERDICTS[int(own.verdict)]
-    assert "mesh-limited: refine here" in set(table["verdict"])
+    assert "mesh too coarse: refine here" in set(table["verdict"])
 
 
 def test_the_widest_spread_of_the_runs_is_in_the_verdict(history, found):

@@ -108,8 +108,8 @@ def test_a_stress_that_is_not_to_be_used_stands_behind_the_first_answer(history,
 
 def test_the_first_screen_says_what_was_simulated_and_answers(stress_page, history, stress):
     head = stress_page.split("<main>")[0]
-    assert "Track of 13 shoes, whose front shoe is dragged; 2 flexible: " in head
-    assert f" m in {history.duration:.4g} s on elastic ground of separate units." in head
+    assert "Track of 13 shoes, pulled at its front shoe; 2 flexible: " in head
+    assert f" m in {history.duration:.4g} s on elastic ground of blocks on springs." in head
     assert "Extremes are one draw: " in head
     highest = f"<b>{float(stress.highest_von_mises.max()) / 1e6:.4g} MPa</b>"
     assert f"<dt>highest von Mises stress</dt><dd>{highest} shoe 13, t = " in head

@@ -9,7 +9,7 @@ from exudyn_crawler import write_signed
 from exudyn_crawler.cli import looking
 from exudyn_crawler.results.history import summary
 from exudyn_crawler.views.pages import signed, signed_run
-from exudyn_crawler.views.pages.first_screen import sentence
+from exudyn_crawler.views.pages.first_screen import sentence, shown_name
 from exudyn_crawler.views.pages.report import report_page
 from exudyn_crawler.views.pages.signed import Rows, SignedReport
 
@@ -54,7 +54,7 @@ def test_a_run_has_the_answers_of_its_page(folder, translation):
     assert [row[:2] for row in found.answers.rows[: len(shown)]] == shown
     results = summary.key_results(translation)
     assert {row[0] for row in found.answers.rows} == {
-        name for name in results["result"] if not name.endswith(summary.START)
+        shown_name(name) for name in results["result"] if not name.endswith(summary.START)
     }
     assert found.lines == (sentence(translation, results),)
     assert translation.case.gear.words(translation.case) in dict(found.facts).values()

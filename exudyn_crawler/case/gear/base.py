@@ -103,7 +103,7 @@ class Gear(Parameters):
 
     kind: str
 
-    phrase: ClassVar[str] = "Track of {shoes} shoes, whose front shoe is dragged"
+    phrase: ClassVar[str] = "Track of {shoes} shoes, pulled at its front shoe"
     """Template of the words for readers: masses `whole` and `carried` in t, number of `shoes` of a track."""
 
     quantities: ClassVar[frozenset[str]] = frozenset()

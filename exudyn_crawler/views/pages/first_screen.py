@@ -33,12 +33,17 @@ LEVEL = 1e-6  # grade of ground that is level
 GROUNDS = {
     "bekker": "soil by Bekker's law",
     "rock": "rock or a hard floor",
-    "units": "elastic ground of separate units",
+    "units": "elastic ground of blocks on springs",
 }
 """Names of the ground by its model."""
+WORDS = {
+    "deepest penetration": "deepest sinkage",
+    "greatest force on a carrier": "greatest force on a carrier roller",
+}
+"""Words of undercarriage makers for names of key results; all others stay as they are."""
 ONE_DRAW = (
-    " Extremes are one draw: a dragged track sticks and slips, and takes another path from a start that "
-    "differs by rounding."
+    " Extremes are one draw: a track pulled at its front shoe sticks and slips, and takes another "
+    "path from a start that differs by rounding."
 )
 ROOM = 0.8  # inches, of a picture for its title and labels
 
@@ -127,18 +132,26 @@ def _answer(
         chosen = stress.peak_verdict == trust.HELD if is_held else _usable(stress)
         peak = stress.peak_von_mises.where(chosen).argmax(...)
         limit = trust.verdict_words([int(stress.peak_verdict.isel(peak))])[0]
-    return result.result, value, place, limit
+    return shown_name(result.result), value, place, limit
 
 
 def _usable(stress: xr.Dataset) -> xr.DataArray:
-    """Return True for nodes of shoes with a usable greatest stress: not in a rigid spider, nor at a force."""
+    """Return True for nodes with a usable greatest stress: not held by a pin coupling, nor at a force."""
     verdict = stress.peak_verdict
     return (verdict >= 0) & (verdict != trust.HELD)
 
 
+def shown_name(result: str) -> str:
+    """Return the words for the name of a key result, also of the start or of one side."""
+    name, comma, rest = result.partition(",")
+    return WORDS.get(name, name) + comma + rest
+
+
 def value_and_place(result: Any) -> tuple[str, str]:
     """Return the value of a key result with its unit, and its body and time."""
-    place = ", ".join(filter(None, (result.of, f"t = {result.at:.4g} s")))
+    kind, _, rest = result.of.partition(" ")
+    of = {"wheel": rest, "track": f"{rest} track".strip()}.get(kind, result.of)
+    place = ", ".join(filter(None, (of, f"t = {result.at:.4g} s")))
     return f"{result.value:.4g} {result.unit}", place
 
 

@@ -30,6 +30,7 @@ from exudyn_crawler.results.stress.hot_spots import flat_triangles
 from exudyn_crawler.settings.fields import case_rows
 from exudyn_crawler.views import style
 from exudyn_crawler.views.pages import packing, page, signed
+from exudyn_crawler.views.pages.page import FLAGS
 from exudyn_crawler.views.pages.signed import Pairs, SignedReport
 from exudyn_crawler.views.scenes import pictures, scene, shoes
 from exudyn_crawler.views.tables import cell_text, short_numbers
@@ -83,7 +84,8 @@ def write_life_page(
 
     `roller_paths` are tables of the treads' contact by run or check case.
     """
-    shortest, parts = (page.table(table, digits=5) for table in (in_words(lives.table), damage_parts(lives)))
+    both = in_words(lives.table).replace(FLAGS), damage_parts(lives)
+    shortest, parts = (page.table(table, digits=5) for table in both)
     said = page.paragraph(SHARES)
     titled = page.part("titled", "Parts of the damage at these nodes", parts)
     causes = page.together(page.paragraph(CAUSES), page.plot(causes_figure(lives)))

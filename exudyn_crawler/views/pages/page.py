@@ -19,6 +19,8 @@ from exudyn_crawler.views.tables import cell_text
 TEMPLATES = Path(__file__).with_name("templates")
 SCRIPTS = ("data.js", "camera.js", "scene.js", "phases.js", "page.js")
 PICTURE_WIDTH = 1500  # pixels of a picture on a page
+FLAGS = {"flag": {"in spider": "held by a pin coupling", "beside spider": "next to a pin coupling"}}
+"""Words for the flags of nodes in tables, by their column."""
 GRID = "rgba(176, 176, 176, 0.3)"  # colour of a plot's grid
 
 

@@ -18,7 +18,7 @@ from exudyn_crawler.results.history import History, ground_map, summary
 from exudyn_crawler.settings.fields import case_rows
 from exudyn_crawler.views import figures, style, tables
 from exudyn_crawler.views.pages import first_screen, packing, page, runs
-from exudyn_crawler.views.pages.page import Section, part, table, together
+from exudyn_crawler.views.pages.page import FLAGS, Section, part, table, together
 from exudyn_crawler.views.scenes import pictures, shoes, track
 
 REPORT = "report.html"
@@ -194,7 +194,8 @@ def _key_table(results: Mapping[str, pd.DataFrame]) -> Markup:
         rows = [first_screen.value_and_place(row) for row in frame.itertuples()]
         values = [page.Cell(value, True) for value, _ in rows]
         where = [place for _, place in rows]
-        columns.append(pd.DataFrame({name: values, "": where}, pd.Index(frame["result"])))
+        names = pd.Index(frame["result"].map(first_screen.shown_name))
+        columns.append(pd.DataFrame({name: values, "": where}, names))
     if not columns:
         return Markup()
     shown = pd.concat(columns, axis=1).fillna("").rename_axis("").reset_index(allow_duplicates=True)
@@ -218,7 +219,8 @@ def _tables(how: str, paths: Mapping[str, Path]) -> list[Markup]:
     """Return tables of files by title, rendered by the macro `how`; tables too long to read are left out."""
     contents = {title: runs.contents(path, pd.read_csv) for title, path in paths.items()}
     short = {title: content for title, content in contents.items() if len(content) <= LONGEST_TABLE}
-    return [part(how, title, table(content, digits=5)) for title, content in short.items()]
+    shown = {title: content.replace(FLAGS) for title, content in short.items()}
+    return [part(how, title, table(content, digits=5)) for title, content in shown.items()]
 
 
 def _hot_spots(folder: Path) -> Markup:

@@ -250,7 +250,7 @@ def ground_figure(history: History, time: float) -> Figure:
         side.grid(False)
         draw_side(side, now)
         side.set_title(f"{case.name}, t = {float(now.time[0]):.3g} s", parse_math=False)
-        named = (("units", style.GROUND), ("shoes", style.SHOE), ("link pins", "white"))
+        named = (("ground", style.GROUND), ("shoes", style.SHOE), ("link pins", "white"))
         keys = [mpl.patches.Patch(fc=colour, ec=style.SHOE_EDGE, label=name) for name, colour in named]
         side.legend(handles=keys, ncols=3, loc="upper left", fontsize="small")
         x = now.position.sel(axis="x").isel(time=0)
