@@ -204,8 +204,6 @@ class Case(Parameters):
                 yield "terrain_formulation must be 'reduced' with flexible shoes"
             if spheres:
                 yield "flexible must be none with contact.model 'spheres'; 'pair' and 'cells' allow it"
-            if self.gear.bodies and not self.is_compiled:
-                yield f"flexible must be none with formulation 'engine' and gear.kind {self.gear.kind!r}"
         if isinstance(terrain, Terrain):
             yield from self._unit_errors(terrain)
         if (terrain.model == "cells") != (contact.model == "cells"):

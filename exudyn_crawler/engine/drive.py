@@ -1,10 +1,12 @@
 """Loads and drive of the shoes in Exudyn, and the hold of the track at rest."""
 
+from collections.abc import Callable, Sequence
 from functools import lru_cache
 
 import numpy as np
 
 from exudyn_crawler.case import Case, StepProfile, statics
+from exudyn_crawler.case.parameters.drive import Drive
 from exudyn_crawler.engine import bodies, euler_parameters
 from exudyn_crawler.model.exudyn import EulerParameters2G, EulerParameters2RotationMatrix, exu, items
 from exudyn_crawler.model.forces.loads import static_friction
@@ -55,10 +57,16 @@ def add_hold(mbs: "exu.MainSystem", case: Case, tables: Tables, shoes: bodies.Sh
             )
 
 
-def add_drive(mbs: "exu.MainSystem", case: Case, tables: Tables, shoes: bodies.Shoes) -> list[int]:
+def add_drive(
+    mbs: "exu.MainSystem",
+    tables: Tables,
+    shoes: bodies.Shoes,
+    speeds: Callable[[float], Sequence[float] | np.ndarray],
+) -> list[int]:
     """Prescribe the velocity along x of the drive's point, and a body's rate about its own z axis.
 
-    The body is the front shoe. On a machine that rolls, the point is in its side frame.
+    The body is the front shoe. On a machine that rolls, the point is in its side frame. `speeds` gives both
+    speeds (m/s and rad/s) at a time (s). Neither is active before `ExudynSystem.switch_drive`.
 
     Constraints are on velocity level, so that a halved step leaves no error in the acceleration.
     """
@@ -79,11 +87,9 @@ def add_drive(mbs: "exu.MainSystem", case: Case, tables: Tables, shoes: bodies.S
         about_z = np.concatenate((0.0 * X, R[:, 2] @ G, 0.0 * z))
         return np.stack((along_x, about_z))
 
-    def prescribe(name: str, row: int, speed: StepProfile | None) -> int:
-        value = lru_cache(maxsize=4)((speed or StepProfile.constant(0.0)).value)
-
+    def prescribe(name: str, row: int) -> int:
         def gap(_mbs, t, _item, q, q_t, _velocity_level):
-            return directions(q)[[row]] @ np.array(q_t) - value(t)
+            return directions(q)[[row]] @ np.array(q_t) - speeds(t)[row]
 
         body = items.MarkerObjectODE2Coordinates(objectNumber=shoes.bodies[moved[row]])
         return mbs.AddObject(
@@ -94,8 +100,14 @@ def add_drive(mbs: "exu.MainSystem", case: Case, tables: Tables, shoes: bodies.S
                 constraintUserFunction=gap,
                 jacobianUserFunction=lambda _mbs, _t, _item, q, _q_t, _level: directions(q)[[row]],
                 velocityLevel=True,
-                activeConnector=speed is not None,
+                activeConnector=False,
             )
         )
 
-    return [prescribe("drive", 0, case.drive.speed), prescribe("turn", 1, case.drive.turn_rate)]
+    return [prescribe("drive", 0), prescribe("turn", 1)]
+
+
+def speeds_of(drive: Drive) -> Callable[[float], tuple[float, float]]:
+    """Return both speeds of a drive as a function of the time (s), of which a step asks many times."""
+    turn = drive.turn_rate or StepProfile.constant(0.0)
+    return lru_cache(maxsize=4)(lambda time: (float(drive.speed.value(time)), float(turn.value(time))))

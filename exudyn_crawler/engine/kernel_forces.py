@@ -82,6 +82,9 @@ class KernelForces:
         for body, along in zip(joints.acted_on[0], joints.directions[0], strict=True):
             first = tables.bodies.coordinate[body]
             pulled[first : first + 6] += along[:6]
+            modal = tables.bodies.modal[body]
+            if modal >= 0:
+                pulled[modal : modal + len(along) - 6] += along[6:]
         pulled[tables.bodies.coordinate[tables.joints.pull.frame]] -= 1.0
         return pulled
 

@@ -23,6 +23,8 @@ SIDEWAYS, ROLL = 1, 3
 """Rows of a pin with lateral compliance: offset, and the first of two of its axis y."""
 DRIVES = 2
 """Number of rows of the drive, between those of the pins and of the holds."""
+TORQUE = exu.OutputVariableType.TorqueLocal
+"""Output of a spring: its moment on the body behind, in that body's axes, N m."""
 ROTATIONS = 3
 """First of a body's coordinates whose holds are joints of Exudyn."""
 
@@ -31,10 +33,11 @@ class Reactions(NamedTuple):
     """Multipliers of the compiled equations from those of Exudyn's joints and from its springs."""
 
     rear: np.ndarray  # (pins,): bodies behind the pins
-    front: np.ndarray  # (pins,)
+    markers: list[list[int]]  # of Exudyn, behind and ahead of every pin
     springs: dict[int, int]  # across the chain, by the numbers of their pins
     in_plane: bool  # see `Pins`
     holds: np.ndarray  # (h, 2): body, and which of its coordinates; their rows follow those of the drive
+    motors: list[int]  # springs in place of motors of limited torque; else empty. Their rows are the last
 
     def multipliers(self, mbs: "exu.MainSystem", own: np.ndarray, angles: np.ndarray) -> np.ndarray:
         """Return the multipliers (N and N m) of the compiled equations.
@@ -45,10 +48,12 @@ class Reactions(NamedTuple):
         count = ROWS * len(self.rear)
         if self.in_plane:
             pins = out[:count].reshape(-1, ROWS)
-            behind = rotations.rotation_matrices(angles[self.rear])
-            ahead = rotations.rotation_matrices(angles[self.front])
+            turned = exu.OutputVariableType.RotationMatrix
+            ends = [[mbs.GetMarkerOutput(end, turned) for end in pair] for pair in self.markers]
+            # bores of a bent shoe turn against it
+            behind, ahead = np.reshape(ends, (-1, 2, 3, 3)).swapaxes(0, 1)
             plane = rotations.rotation_matrices(angles[self.rear] * [1.0, 0.0, 1.0])
-            kinds = exu.OutputVariableType.ForceLocal, exu.OutputVariableType.TorqueLocal
+            kinds = exu.OutputVariableType.ForceLocal, TORQUE
             for p, spring in self.springs.items():
                 force, moment = (behind[p] @ mbs.GetObjectOutput(spring, kind) for kind in kinds)
                 pins[p, :3] = behind[p] @ pins[p, :3] + force
@@ -59,6 +64,8 @@ class Reactions(NamedTuple):
                 # the joint's gap is the sine of the negative yaw times the cosine of the roll; on posts there
                 # is no roll
                 out[count + DRIVES + k] *= -np.cos(angles[body, 0])
+        for k, motor in enumerate(self.motors):
+            out[count + DRIVES + len(self.holds) + k] = mbs.GetObjectOutput(motor, TORQUE)[1]
         return out
 
 
@@ -68,7 +75,11 @@ def equations_of(mbs: "exu.MainSystem", assembly: Assembly) -> np.ndarray:
     joints = assembly.tables.joints
     pins = len(joints.pins.markers)
     for k, (name, _) in enumerate(assembly.rows):
-        own = list(mbs.systemData.GetObjectLTGAE(mbs.GetObjectNumber(name)))
+        item = mbs.GetObjectNumber(name)
+        if mbs.GetObject(item)["objectType"] == "ConnectorRigidBodySpringDamper":
+            rows.append(-1)
+            continue
+        own = list(mbs.systemData.GetObjectLTGAE(item))
         if k < pins:
             soft = joints.pins.compliance[k].any()
             own = [own[0], -1, own[2], -1, -1] if soft else [*own[:4], own[5]]
@@ -130,10 +141,15 @@ def add_holds(mbs: "exu.MainSystem", names: list[str], holds: np.ndarray, shoes:
         )
 
 
-def add_motors(mbs: "exu.MainSystem", names: list[str], kernels: CompiledSystem, shoes: Shoes) -> None:
-    """Prescribe the rates of tumblers against their frames, about the tumblers' axes."""
+def add_motors(mbs: "exu.MainSystem", names: list[str], kernels: CompiledSystem, shoes: Shoes) -> list[int]:
+    """Add the motors of tumblers against their frames, about the tumblers' axes.
+
+    A motor prescribes the rate, or has a torque by the lag behind it; return the springs of such torques.
+    """
     motors = kernels.tables.joints.motors
     speeds = at_time(kernels)
+    if np.isfinite(motors.limit).all():
+        return [_add_torque(mbs, name, k, kernels, shoes) for k, name in enumerate(names)]
 
     def direction(q: list[float]) -> np.ndarray:
         """Return the factors (1, coordinates) of the rate in those of frame and tumbler."""
@@ -162,6 +178,26 @@ def add_motors(mbs: "exu.MainSystem", names: list[str], kernels: CompiledSystem,
                 velocityLevel=True,
             )
         )
+    return []
+
+
+def _add_torque(mbs: "exu.MainSystem", name: str, motor: int, kernels: CompiledSystem, shoes: Shoes) -> int:
+    """Add the torque of a motor by the lag behind its rate, see `joints.motor`; return its number."""
+    motors = kernels.tables.joints.motors
+    inputs = at_time(kernels)
+    limit, width = motors.limit[motor], motors.lag[motor]
+
+    def wrench(_mbs, t, _item, _displacement, _rotation, _velocity, rate, *_rest):
+        lag = inputs(t).motors[motor] - rate[1]
+        return [0.0, 0.0, 0.0, 0.0, -limit * lag / np.hypot(lag, width), 0.0]
+
+    nodes = [shoes.nodes[body] for body in motors.bodies[motor]]
+    markers = [mbs.AddMarker(items.MarkerNodeRigid(nodeNumber=node)) for node in nodes]
+    return mbs.AddObject(
+        items.ObjectConnectorRigidBodySpringDamper(
+            name=name, markerNumbers=markers, springForceTorqueUserFunction=wrench
+        )
+    )
 
 
 def at_time(kernels: CompiledSystem) -> Callable[[float], Inputs]:

@@ -84,7 +84,7 @@ class ExudynSystem(track_system.TrackSystem):
         shoes = bodies.add_shoes(mbs, tables, nodes, gravity)
         self._shoe_bodies = shoes.bodies
         if self._kernels is not None:
-            self._assemble_machine(assembly, self._kernels, shoes, [*nodes, *ground])
+            self._assemble_machine(assembly, self._kernels, shoes, [*nodes, *ground, *shoes.modal_nodes])
             return
         for (name, _), pin in zip(assembly.rows, tables.joints.pins.markers, strict=False):
             ends = [shoes.markers[end] for end in pin]
@@ -101,7 +101,7 @@ class ExudynSystem(track_system.TrackSystem):
         if static:
             drive.add_hold(mbs, case, tables, shoes)
         else:
-            self._drives = drive.add_drive(mbs, case, tables, shoes)
+            self._drives = drive.add_drive(mbs, tables, shoes, drive.speeds_of(case.drive))
         mbs.Assemble()
 
     def _assemble_machine(
@@ -114,10 +114,11 @@ class ExudynSystem(track_system.TrackSystem):
         names = [name for name, _ in assembly.rows]
         pins = len(joints.pins.markers)
         springs = machine.add_pins(mbs, names[:pins], joints.pins, shoes.markers)
-        self._drives = drive.add_drive(mbs, self.case, tables, shoes)
+        inputs = machine.at_time(kernels)
+        self._drives = drive.add_drive(mbs, tables, shoes, lambda time: inputs(time).speeds)
         holds = len(joints.holds.coordinates)
         machine.add_holds(mbs, names[pins + machine.DRIVES :][:holds], joints.holds.coordinates, shoes)
-        machine.add_motors(mbs, names[pins + machine.DRIVES + holds :], kernels, shoes)
+        motors = machine.add_motors(mbs, names[pins + machine.DRIVES + holds :], kernels, shoes)
         machine.add_wrenches(mbs, kernels, shoes.markers)
         self.cells = kernels.cells
         data: Any = mbs.systemData
@@ -145,10 +146,11 @@ class ExudynSystem(track_system.TrackSystem):
         mbs.Assemble()
         self._reactions = machine.Reactions(
             tables.markers.body[joints.pins.markers[:, 0]],
-            tables.markers.body[joints.pins.markers[:, 1]],
+            [[shoes.markers[end] for end in pair] for pair in joints.pins.markers],
             springs,
             bool(joints.pins.in_plane),
             joints.holds.coordinates,
+            motors,
         )
 
     def _add_force(self, nodes: list[int], forces: Callable[[np.ndarray, np.ndarray], np.ndarray]) -> None:
@@ -275,8 +277,9 @@ class ExudynSystem(track_system.TrackSystem):
 
     def switch_drive(self, on: bool) -> None:
         """Switch the drive of the front shoe on or off."""
-        turned = self.case.drive.turn_rate is not None
-        for item, acts in zip(self._drives, self.case.gear.active(on, on and turned), strict=True):
+        asked = self.case.drive
+        active = self.case.gear.active(on, on and asked.turn_rate is not None, asked.slip is not None)
+        for item, acts in zip(self._drives, active, strict=True):
             self.mbs.SetObjectParameter(item, "activeConnector", bool(acts))
 
     def solve(

@@ -15,7 +15,6 @@ from exudyn_crawler.case.gear.deflections import PULL, SIDEWAYS, TOOTH, LoadedCo
 from exudyn_crawler.case.gear.running_gear import implausible_rails
 from exudyn_crawler.case.parameters import assembly, base, sizes
 from exudyn_crawler.case.parameters.closed_track import Idler, Tumbler
-from exudyn_crawler.case.parameters.drive import Drive
 from exudyn_crawler.case.parameters.track import MIDWAY, Shoe, Track
 from exudyn_crawler.case.ph4100c import GRAVITY
 from exudyn_crawler.settings.parameters import Errors, option
@@ -136,16 +135,13 @@ class Closed(ClosedFrame):
         still = np.zeros(len(self.sliding_idlers))
         return np.concatenate((speeds / self.travel_per_angle(chain), still))
 
-    def engine_errors(self, drive: Drive) -> Errors:
-        """Yield an error for each part that is not made of Exudyn's items yet."""
-        yield from super().engine_errors(drive)
+    def engine_errors(self) -> Errors:
+        """Yield an error for each part that is not made of Exudyn's items."""
         engine = "with formulation 'engine'"
         if self.idler.slide is not None:
             yield f"gear.idler.tensioner and gear.idler.recoil must be none {engine}"
         if self.play is not None:
             yield f"gear.play must be none {engine}"
-        if self.torque_limit is not None:
-            yield f"gear.torque_limit must be none {engine}, got {self.torque_limit:.4g} N m"
 
     def track_errors(self, shoe: Shoe, chain: Track) -> Errors:
         """Yield an error for each property of rails and chain that does not fit the wheels."""

@@ -41,7 +41,7 @@ def static_equilibrium(case: Case) -> np.ndarray:
     if not isinstance(terrain.terrain_coordinates(case), terrain.TerrainModes):
         return exudyn_rest(case)
     q = _compiled_rest(case)
-    if case.is_compiled or case.flexible is None:
+    if case.is_compiled or case.flexible is None or case.gear.bodies:
         return q
     # Exudyn's joints rotate differently with the lugs of bent shoes, which would swing from the other rest
     return rest_from(ExudynSystem(case, static=True), q)
