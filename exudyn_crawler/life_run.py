@@ -60,7 +60,12 @@ def life(
         write_life(total, files.writable_folder(folder), overwrite)
         checksums = signed.input_sums([*sources, *(_history_of(run) for run in duty.runs)], duty)
         report = pages.signed_life(total, checksums, record.program_line())
-        signed.store(report, folder, {"Life that most shoes survive (black: not known)": SHOE}, overwrite)
+        signed.store(
+            report,
+            folder,
+            {"Life that most shoes survive (black: not known, or mesh too coarse)": SHOE},
+            overwrite,
+        )
     return total
 
 

@@ -14,11 +14,12 @@ from exudyn_crawler.case_run import run_case
 from exudyn_crawler.errors import ImplausibleWarning
 from exudyn_crawler.life_run import FILES
 from exudyn_crawler.results.life.duty import DutyRun
-from exudyn_crawler.results.life.life import life_of, life_words, relative_spread
+from exudyn_crawler.results.life.life import COARSE, for_reading, life_of, life_words, relative_spread
 from exudyn_crawler.spread_run import NUDGE, ONE_TIME, laws_beside, nudged, spread
 from exudyn_crawler.views.pages import signed
-from exudyn_crawler.views.pages.life import life_lines, write_life_page
+from exudyn_crawler.views.pages.life import life_lines, life_solid, write_life_page
 from exudyn_crawler.views.tables import cell_text
+from fem.stress.trust import LIMITED, VERDICTS
 from tests.small_shoe import SMALL_SHOE
 from tests.stress_results import WEAK
 
@@ -70,7 +71,7 @@ def test_everything_is_written_and_agrees(pit):
 def test_the_report_to_sign_has_lines_and_lives_of_the_page(pit):
     report = signed.stored(pit[0] / "life")
     assert list(report.lines) == life_lines(pit[1])
-    lives = life_words(float(pit[1].table["life in h that 90 % survive"].iloc[0]))
+    lives = for_reading(pit[1].table)["life in h that 90 % survive"].iloc[0]
     assert report.answers.rows[0][:2] == (pit[1].table["region"].iloc[0], cell_text(lives))
     assert [name.rpartition("/")[2] for name, _ in report.checksums[:2]] == ["digging.toml", "history.nc"]
     assert ("runs[0].share", "0.1") in report.given
@@ -79,8 +80,7 @@ def test_the_report_to_sign_has_lines_and_lives_of_the_page(pit):
 
 def test_the_page_shows_life_table_and_duty(pit):
     page = (pit[0] / "life" / "life.html").read_text()
-    shortest = cell_text(life_words(float(np.nanmin(pit[1].dataset.life[-1]))))
-    for words in ("Life in 3D", "stays at place 13", f"{shortest} machine hours until", "fatigue_strength"):
+    for words in ("Life in 3D", "stays at place 13", "fatigue_strength", "of the machine hours: propel 10 %"):
         assert words in page
     assert "http://" not in page.split("<main>")[0]
     # what is inside a spider is not to be used, and does not stand at the head
@@ -88,6 +88,29 @@ def test_the_page_shows_life_table_and_duty(pit):
     held = found.table.assign(flag=["in spider", *[""] * (len(found.table) - 1)])
     line = life_lines(dataclasses.replace(found, table=held))[0]
     assert f"at the worst node ({held['region'][1]};" in line
+
+
+def test_hours_on_a_mesh_that_is_too_coarse_are_not_shown_as_hours(pit):
+    found = pit[1]
+    coarse, good = VERDICTS[LIMITED], "good to 15 %"
+    last = "life in h that 90 % survive"
+    count = len(found.table)
+    usable = found.table.assign(flag="", verdict=[coarse, *[good] * (count - 1)])
+    first, second, *_ = usable[last].map(life_words).map(cell_text)
+    lines = life_lines(dataclasses.replace(found, table=usable))
+    assert lines[0].startswith("no machine hours: the mesh is too coarse at the worst node")
+    assert f"shortest life that the mesh resolves: {second} h" in " ".join(lines)
+    assert first not in " ".join(lines)
+    assert for_reading(usable)[last].tolist()[:2] == [COARSE, life_words(usable[last].iloc[1])]
+    solid = life_solid(found)
+    used = np.unique(found.dataset.triangle.values)
+    limited = found.dataset.verdict.values[used] == LIMITED
+    assert limited.any()
+    assert np.isnan(solid.colourings[0].values[0, 0][limited]).all()
+    # of a mesh that is good everywhere the hours are told
+    told = life_lines(dataclasses.replace(found, table=usable.assign(verdict=good)))
+    assert told[0].startswith(f"{first} machine hours until a crack")
+    assert f"stress {good}" in told[1]
 
 
 def test_no_name_is_markup_or_script_of_a_lifes_page(pit, history, tmp_path):

@@ -19,6 +19,8 @@ SAVED = (".html", ".csv", ".png", ".mp4", ".nc", ".toml", ".pdf", ".svg")
 """Suffixes of files offered for saving."""
 BUSY = "computing, for a minute or two"
 """Text while a command works; an animation would take half of a core where software draws it."""
+SHARE = "share of the machine hours, %"
+"""Label of the field for the share of all machine hours for which a run stands in a life."""
 MADE = "pages"
 """Folder, beside the runs, of pages on several runs or on none."""
 
@@ -106,6 +108,8 @@ class ResultsPanel:
                 self.run = self._choice("run", self._show)
                 self.other = self._choice("beside", self._beside)
                 self.life = self._choice("life, of a material", self._live)
+                self.share = ui.number(SHARE, min=0.1, max=100.0, on_change=self._live).classes("choice")
+                self.share.props(f'outlined dense debounce=800 data-testid="{SHARE}"')
             self.frame = PageFrame(folder)
 
     @staticmethod
@@ -137,6 +141,7 @@ class ResultsPanel:
         is_bent = (run.folder / STRESSES).is_file()
         self.life.set_options([*fields.named_values(FatigueMaterial)], value=None)
         self.life.set_visibility(is_bent)
+        self.share.set_visibility(is_bent)
         self.frame.show(run.page)
 
     async def _beside(self) -> None:
@@ -150,15 +155,16 @@ class ResultsPanel:
         await self.frame.show_made(out, *words)
 
     async def _live(self) -> None:
-        """Show the life of the shoes if all machine hours are like a run."""
-        if self.life.value is None:
+        """Show the life of the shoes, once material and share of the machine hours are given."""
+        share = self.share.value
+        if self.life.value is None or share is None or not 0.0 < share <= 100.0:
             return
         run = self.runs.named(self.run.value)
         out = writable_folder(self.made / f"{run.name} life")
         content = {
-            "name": f"{run.name}, all hours",
+            "name": f"{run.name}, {share:g} % of the hours",
             "material": {fields.BASE: self.life.value},
-            "runs": [{"name": run.name, "folder": str(run.folder), "share": 1.0}],
+            "runs": [{"name": run.name, "folder": str(run.folder), "share": 0.01 * share}],
         }
         duty = out / "duty.toml"
         with whole_file(duty, overwrite=True) as temporary:

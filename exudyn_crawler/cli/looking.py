@@ -267,14 +267,14 @@ def life(
 ) -> None:
     """Compute the life of the shoes in machine hours over a mix of runs: where they crack, and why."""
     asked = crawler.read_duty(duty)  # refused before slow imports
-    from exudyn_crawler.results.life.life import in_words
+    from exudyn_crawler.results.life.life import for_reading
     from exudyn_crawler.views.pages.life import life_lines
 
     folder = out or application.RESULTS / duty.stem
     result = crawler.life(asked, folder, overwrite=overwrite, say=typer.echo)
     title = f"{asked.name}: shortest lives by region"
     whole = folder / "shortest_lives.csv"
-    print_table(in_words(result.table), title, LIVES, whole)
+    print_table(for_reading(result.table), title, LIVES, whole)
     typer.echo("\n".join(life_lines(result)))
     typer.echo(f"life, tables, fields and page (life.html) are in {folder}")
 

@@ -261,7 +261,7 @@ def judged(
     Returns
     -------
     pandas.DataFrame
-        The table with a column verdict: "beside a pin coupling: do not use"; "mesh-limited: refine
+        The table with a column verdict: "beside a pin coupling: do not use"; "mesh too coarse: refine
         here" if the error of the mesh is above `MESH_LIMIT` or elements disagree by more than `JUMP_LIMIT`;
         "good to 10 %" and the like; or "uncertain by more than 50 %".
 

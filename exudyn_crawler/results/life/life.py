@@ -42,6 +42,8 @@ CHOICE_OF_PINS = {"rigid": (0.26, 3.9), "averaging": (0.06, 1.7), "contact": (0.
 
 The first is that of a lug's root, the second that within a diameter from the axis of a bore (`docs/fem.md`).
 """
+COARSE = "mesh too coarse"
+"""Words in place of hours where the mesh is too coarse for them."""
 MEGA = 1e6
 MILLI = 1e-3
 LIFE = "life in h"  # prefix of the columns of lives
@@ -526,6 +528,21 @@ def in_words(table: pd.DataFrame) -> pd.DataFrame:
     """Return the table with lives for reading: four digits, or words such as "beyond 1e9"."""
     lives = [name for name in table.columns if name.startswith(LIFE)]
     return table.assign(**{name: table[name].map(life_words) for name in lives})
+
+
+def for_reading(table: pd.DataFrame) -> pd.DataFrame:
+    """Return the table `in_words`, without hours where the verdict calls the mesh too coarse."""
+    shown = in_words(table)
+    coarse = is_coarse(table)
+    lives = [name for name in table.columns if name.startswith(LIFE)]
+    return shown.assign(
+        **{name: shown[name].mask(coarse & (table[name] != BROKEN), COARSE) for name in lives}
+    )
+
+
+def is_coarse(table: pd.DataFrame) -> pd.Series:
+    """Return True for rows of a table whose verdict calls the mesh too coarse."""
+    return table["verdict"].str.startswith(trust.VERDICTS[trust.LIMITED])
 
 
 def life_words(hours: float) -> float | str:

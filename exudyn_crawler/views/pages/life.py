@@ -13,16 +13,19 @@ from matplotlib.figure import Figure
 
 from exudyn_crawler.results.checks.solve import CheckResults
 from exudyn_crawler.results.checks.tables import CYCLES
+from exudyn_crawler.results.life.duty import Duty, DutyRun
 from exudyn_crawler.results.life.life import (
     BEYOND,
     BROKEN,
+    COARSE,
     EXCEEDS,
     LIFE,
     PEAK,
     TENSILE,
     YIELD,
     LifeResults,
-    in_words,
+    for_reading,
+    is_coarse,
     life_hours,
     life_words,
 )
@@ -35,6 +38,7 @@ from exudyn_crawler.views.pages.signed import Pairs, SignedReport
 from exudyn_crawler.views.scenes import pictures, scene, shoes
 from exudyn_crawler.views.tables import cell_text, short_numbers
 from fem.body.element_stress import von_mises
+from fem.stress import trust
 
 LEAST_LIFE = 1.0  # h, least life with a colour of its own
 LEAST_DECADES = 2  # least powers of ten of life in the colour scale
@@ -45,8 +49,9 @@ BY_CASE = "Colours show the stress of a case, with a separate scale for each cas
 VIEWS = {"from ahead and above": (25.0, 30.0), "from ahead and below": (25.0, -30.0)}  # azimuth, elevation
 WINDOW = (-2.0, 2.0, -0.8, 0.8)  # m
 UNKNOWN = (
-    "Where the drive pulls at a single node the life is unknown. A verdict judges the stress ranges: their "
-    "uncertainty by the mesh, left-out static fields and the spread."
+    "Where the drive pulls at a single node the life is unknown; where the mesh is too coarse it is not "
+    "shown. A verdict judges the stress ranges: their uncertainty by the mesh, left-out static fields and "
+    "the spread."
 )
 SHARES = (
     "The contribution of a load is its part of the stress ranges, weighted by their damage; that of a load "
@@ -56,6 +61,7 @@ CAUSES = (
     "Machine hours after which each run or check case alone would crack a region: the darker, the sooner. "
     "With stages of wear the damage of all stages until the crack counts."
 )
+SHOE_CAPTION = "Life that most shoes survive (black: not known, or mesh too coarse)"
 WHY = ("verdict", "main part")
 ASKED = "After how many machine hours of this duty does a shoe crack, where, and by which part of the duty?"
 MOVES = (
@@ -67,7 +73,7 @@ VALID = (
     "They are those of this duty: another mix of digging, travel and ground has other hours.",
     "They are not compared with cracks of this machine in service.",
 )
-"""Columns, question, spread and validity of the report to sign."""
+"""Caption, columns, question, spread and validity of the report to sign."""
 CONTACT = (
     'Contact below the treads, in the last stage: "to yield" and "to shakedown" are the factors by which '
     "stresses may grow until the steel flows once, and in every pass. The lives above leave it out."
@@ -84,7 +90,7 @@ def write_life_page(
 
     `roller_paths` are tables of the treads' contact by run or check case.
     """
-    both = in_words(lives.table).replace(FLAGS), damage_parts(lives)
+    both = for_reading(lives.table).replace(FLAGS), damage_parts(lives)
     shortest, parts = (page.table(table, digits=5) for table in both)
     said = page.paragraph(SHARES)
     titled = page.part("titled", "Parts of the damage at these nodes", parts)
@@ -111,7 +117,7 @@ def signed_life(lives: LifeResults, checksums: Pairs, program: str) -> SignedRep
     history = next((run.basis.history for run in lives.runs if run.basis.history is not None), None)
     shoes_of = duty.check if history is None else history.case.gear.words(history.case)
     longest = f"{LIFE} that {100.0 * duty.survivals[-1]:g} % survive"
-    table = in_words(lives.table)[["region", longest, f"{LIFE} at least", f"{LIFE} at most", *WHY]]
+    table = for_reading(lives.table)[["region", longest, f"{LIFE} at least", f"{LIFE} at most", *WHY]]
     rows = case_rows(duty)
     given = tuple((row.key, short_numbers(row.value)) for row in rows)
     return SignedReport(
@@ -157,7 +163,7 @@ def _coloured_page(title: str, lead: list[str], sections: list[page.Section], so
 
 def life_lines(lives: LifeResults) -> list[str]:
     """Return lines on the shortest life, its uncertainty, and the fatigue criterion and material."""
-    rows = in_words(lives.table)
+    rows = for_reading(lives.table)
     outside = rows[rows["flag"] != "in spider"]
     worst = (outside if len(outside) else rows).iloc[0]
     material = lives.duty.material
@@ -169,20 +175,46 @@ def life_lines(lives: LifeResults) -> list[str]:
     low, high = (cell_text(worst[f"{LIFE} at {end}"]) for end in ("least", "most"))
     factors = material.factors()
     beyond = list(_beyond_strength(lives))
+    given = [f"given the uncertainty of the stress there, {low} to {high} h; stress {worst['verdict']}"]
     strength = material.curve(lives.duty.miner).strength / style.MEGA
     until = f"{shortest} machine hours until a crack"
     if shortest == cell_text(life_words(BROKEN)):
         until = "no machine hours: a crack at the first load"
+    elif shortest == COARSE:
+        until = "no machine hours: the mesh is too coarse"
+        given = list(_resolved(outside, f"{LIFE} that {survival:g} % survive"))
     return [
         f"{until} at the worst node ({worst['region']}; pin couplings "
         f"left out), which {survival:g} % of the shoes survive{mean}"
         f"{worn and f'; stages{worn[1:]}, the last goes on'}",
         *beyond,
-        f"given the uncertainty of the stress there, {low} to {high} h; stress {worst['verdict']}",
+        *given,
+        *_hours_of(lives.duty),
         f"{lives.duty.criterion}, Miner {lives.duty.miner}; {material.name}: strength at the "
         f"surface {strength:.4g} MPa at R = -1 (of {factors['fatigue_strength'] / style.MEGA:.4g} MPa), mean "
         f"stress sensitivity {factors['mean_sensitivity']:.3g}; {material.provenance()}",
     ]
+
+
+def _resolved(rows: pd.DataFrame, life: str) -> Iterator[str]:
+    """Yield a line on the shortest life that the mesh resolves; none if there is none."""
+    fine = rows[~is_coarse(rows)]
+    if len(fine):
+        row = fine.iloc[0]
+        shown = f"{cell_text(row[life])} h in {row['region']}; stress {row['verdict']}"
+        yield f"shortest life that the mesh resolves: {shown}"
+
+
+def _hours_of(duty: Duty) -> Iterator[str]:
+    """Yield a line on the share of the machine hours for which each run stands; none without runs."""
+    parts = [f"{run.name} {_often(run)}" for run in duty.runs]
+    if parts:
+        yield f"of the machine hours: {', '.join(parts)}; the rest does no damage"
+
+
+def _often(run: DutyRun) -> str:
+    """Return the words for the frequency of a run."""
+    return f"{run.an_hour:g} times an hour" if run.share is None else f"{100.0 * run.share:.3g} %"
 
 
 def _beyond_strength(lives: LifeResults) -> Iterator[str]:
@@ -225,6 +257,8 @@ def life_solid(lives: LifeResults) -> scene.Solid:
     logs = {name: np.log10(np.maximum(life[used], LEAST_LIFE)) for name, life in fields.items()}
     high = float(np.log10(BEYOND))
     low = min(*(float(np.nanmin(log)) for log in logs.values()), high - LEAST_DECADES)
+    coarse = data.verdict.values[used] == trust.LIMITED
+    logs = {name: np.where(coarse, np.nan, log) for name, log in logs.items()}
     colours = (low, high, f"{style.STRESS_MAP}_r")
     colourings = [
         scene.Colouring("life in h", log[None, None], *colours, name=name, decades=True)
@@ -241,6 +275,8 @@ def causes_figure(lives: LifeResults) -> go.Figure:
     """Draw the life under each part of the damage alone by region: one row a part, colours and hours."""
     causes = lives.causes()
     words = causes.map(lambda hours: "" if hours >= BEYOND else cell_text(life_words(hours)))
+    coarse = set(lives.table["region"][is_coarse(lives.table)])
+    words[[region for region in words.columns if region in coarse]] = COARSE
     decades = np.log10(causes.clip(lower=LEAST_LIFE))
     low = float(decades.min().min())
     high = float(np.log10(BEYOND))
@@ -248,7 +284,7 @@ def causes_figure(lives: LifeResults) -> go.Figure:
     bar = {"title": "h", "tickvals": ticks, "ticktext": [f"1e{tick:g}" for tick in ticks]}
     colours = {"zmin": min(low, high - LEAST_DECADES), "zmax": high, "colorscale": "YlOrRd_r"}
     cells = {"x": causes.columns, "y": causes.index, "z": decades, "text": words, "colorbar": bar}
-    said = {"texttemplate": "%{text}", "hovertemplate": "%{y}<br>%{x}: %{text} h<extra></extra>"}
+    said = {"texttemplate": "%{text}", "hovertemplate": "%{y}<br>%{x}: %{text}<extra></extra>"}
     figure = go.Figure(go.Heatmap(**cells, **colours, **said))
     figure.update_yaxes(autorange="reversed", automargin=True)
     figure.update_xaxes(side="top")
