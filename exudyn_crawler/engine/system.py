@@ -64,6 +64,8 @@ class ExudynSystem(track_system.TrackSystem):
         self._kernels = CompiledSystem(case, assembly) if case.gear.bodies else None
         self.general: exu.GeneralContact | None = None
         self._cause = ""  # cause of an early end of a run
+        self._solver: Any = None  # that integrates, else None
+        self._covered = 0.0  # time for which the cells are covered, s
         self._assemble(assembly, static)
         self.layout, self._rows = self._layout_of(assembly)
 
@@ -129,10 +131,14 @@ class ExudynSystem(track_system.TrackSystem):
         forces = KernelForces(kernels, self._coordinates, drive_force)
 
         def force(_mbs, t, _item, q, q_t):
-            return forces.forces(t, np.array(q), np.array(q_t))
+            at = t, np.array(q), np.array(q_t)
+            self._cover(*at)
+            return forces.forces(*at)
 
         def stiffness(_mbs, t, _item, q, q_t, position, velocity):
-            return sparse(forces.stiffness(t, np.array(q), np.array(q_t), position, velocity))
+            at = t, np.array(q), np.array(q_t)
+            self._cover(*at)
+            return sparse(forces.stiffness(*at, position, velocity))
 
         mbs.AddObject(
             items.ObjectGenericODE2(
@@ -157,38 +163,57 @@ class ExudynSystem(track_system.TrackSystem):
         """Add the ground's forces on a state's coordinates, by these and their rates, as one user force."""
         coordinates = self._coordinates
 
-        def force(_mbs, _t, _item, q, q_t):
+        def force(_mbs, t, _item, q, q_t):
             places = np.array(q)
+            self._cover(t, places, np.array(q_t))
             return coordinates.forces_of_state(places, forces(*coordinates.to_state(places, np.array(q_t))))
 
         massless = exu.MatrixContainer()
         self.mbs.AddObject(items.ObjectGenericODE2("contact", nodes, massless, forceUserFunction=force))
 
     def after_step(self, report: Callable[[float], bool] | None) -> None:
-        """Call a function after each step, see `TrackSystem`.
-
-        Before the call cells store the step in their memory; after it the cells below the shoes are prepared.
-        """
+        """Call a function after each step, see `TrackSystem`; before the call cells store the step."""
         cells = self.cells
         if cells is None or report is None:
             super().after_step(report)
             return
 
         def remembered(time: float) -> bool:
+            if self._cause:
+                return False
             state = np.stack(self.coordinates())
             if self._kernels is None:
                 cells.forces(*state[:2])
             else:
                 self._kernels.residual(state, self._kernels.inputs(time))
             cells.commit()
-            goes_on = report(time)
-            try:
-                cells.cover(state)
-            except LeftMapError as error:
-                self._cause = str(error)
-            return goes_on and not self._cause
+            return report(time)
 
         super().after_step(remembered)
+
+    def _cover(self, time: float, q: np.ndarray, q_t: np.ndarray) -> None:
+        """Freeze the cells under the shoes where a step is predicted to end, as the compiled equations do.
+
+        The first evaluation of a step up to a time (s) is at Exudyn's prediction, which has no accelerations:
+        those of the last step are added.
+        """
+        solver = self._solver
+        if self.cells is None or solver is None or time == self._covered:
+            return
+        self._covered = time
+        data: Any = self.mbs.systemData
+        start = exu.ConfigurationType.StartOfStep
+        before = data.GetODE2Coordinates(start), data.GetODE2Coordinates_t(start)
+        last = self._coordinates.to_state(*map(np.array, before), data.GetODE2Coordinates_tt(start))[2]
+        h, beta = solver.it.currentStepSize, solver.newmarkBeta
+        # changes of coordinates and rates by a change of the accelerations
+        change = (1.0 - solver.alphaF) / (1.0 - solver.alphaM) * beta * h * h * last
+        predicted = self._coordinates.to_state(q, q_t)
+        rate = solver.newmarkGamma / (h * beta)
+        try:
+            self.cells.cover(np.stack((predicted[0] + change, predicted[1] + rate * change, last)))
+        except LeftMapError as error:
+            self._cause = str(error)
 
     def _layout_of(self, assembly: Assembly) -> tuple[state.StateLayout, np.ndarray]:
         """Return the layout of the states, and the rows of their multipliers in Exudyn.
@@ -294,12 +319,14 @@ class ExudynSystem(track_system.TrackSystem):
         tolerance = newton.absoluteTolerance
         solver = integrator(self.mbs, next_end)
         newton.absoluteTolerance = SHARPENING * tolerance
+        self._solver, self._covered = solver, settings.timeIntegration.startTime
         try:
             if not solver.SolveSystem(self.mbs, settings):
                 raise self._failure(solver)
         except exu.InternalError as error:  # a matrix is not finite
             raise self._failure(solver) from error
         finally:
+            self._solver = None
             newton.absoluteTolerance = tolerance
         if self._cause:
             raise NewtonError(np.zeros(self.layout.equation_count), False, self._cause)

@@ -8,6 +8,7 @@ from exudyn_crawler.case.parameters.closed_track import Play, Tensioner
 from exudyn_crawler.engine.formulation import track_system
 from exudyn_crawler.engine.system import ExudynSystem
 from exudyn_crawler.errors import ParameterError
+from exudyn_crawler.ground.cells.laws.bekker import BekkerSoil
 from exudyn_crawler.run.solve.simulation import integrate, solved_for_tension
 from exudyn_crawler.run.solve.start import begin
 from tests.model.test_arms import arms_of
@@ -42,6 +43,7 @@ CASES = {
     "closed on posts": (lambda: driven(Case.closed().with_({"gear.support": "posts"})), 0.01),
     "closed with a drawbar": (lambda: driven(Case.closed(), slip=StepProfile.constant(0.2)), 0.01),
     "closed, limited torque": (lambda: driven(Case.closed().with_({"gear.torque_limit": 2e5})), 0.01),
+    "rolled on sand": (lambda: small_case().on_cells(BekkerSoil.lete_sand()), 0.04),
     "rolled, flexible": (lambda: driven(small_flexible_case()), 0.01),
     "closed, flexible": (lambda: driven(closed_flexible()), 0.006),
     "machine that turns": (lambda: driven(Case.shovel(), turn_rate=TURN), 0.01),
@@ -52,7 +54,9 @@ def both(case, duration):
     """Histories of both formulations from one start."""
     case = solved_for_tension(case.with_({"solver.residual": 1e-3}), False)
     compiled, engine = (track_system(case.with_(formulation=one)) for one in ("compiled", "engine"))
-    engine.set_initial(*begin(compiled))
+    start = begin(compiled)
+    engine.remember(compiled.memory())
+    engine.set_initial(*start)
     return [integrate(system, duration, False) for system in (compiled, engine)]
 
 
