@@ -1,4 +1,4 @@
-"""Runs on the page: cost, queue, progress of all parts, growing curves."""
+"""Runs on the page: cost, queue, progress of all parts, curves."""
 
 from collections.abc import Callable
 from functools import partial
@@ -8,7 +8,9 @@ import xarray as xr
 from nicegui import run as threads, ui
 
 from exudyn_crawler.app.document import Document
+from exudyn_crawler.files import HISTORY
 from exudyn_crawler.machines.case_file import run_lines
+from exudyn_crawler.results.history import History
 from exudyn_crawler.results.history.summary import greatest_over_time
 from exudyn_crawler.run.folder import checkpoints
 from exudyn_crawler.run.folder.progress import rule_of_thumb, times_line
@@ -16,12 +18,14 @@ from exudyn_crawler.run.folder.queue import GOES_ON, RUNNING, WAITING, Run, Runs
 from exudyn_crawler.views.scenes.plots import curve_figure
 
 LIVE = ("link_tension", "wheel_force", "roller_force", "drive_moment", "contact_force")
-"""Quantities with curves of their greatest value over the machine while a run is at work."""
+"""Quantities with curves of their greatest value over the machine."""
 Curves = dict[str, xr.DataArray]
+Parts = dict[tuple[Path, int], Curves]
+"""Curves by file and the time of its last change."""
 
 
 class RunPanel:
-    """Panel of the cost of a run, all runs of the folder, and the curves of the one at work."""
+    """Panel of the cost of a run, all runs of the folder, and curves of the one at work or the newest."""
 
     def __init__(self, document: Document, runs: Runs, show_results: Callable[[str], None]) -> None:
         self.document = document
@@ -30,7 +34,7 @@ class RunPanel:
         self.version = -1
         self.rows: dict[str, RunRow] = {}
         self.drawn = ""  # run whose curves are drawn
-        self.parts: dict[Path, Curves] = {}  # curves of its stages read so far
+        self.parts: Parts = {}  # curves of its files read so far
         self.plots: dict[str, ui.plotly] = {}
         with ui.column().classes("panel"):
             self.cost = ui.label().classes("quiet console").props('data-testid="cost"')
@@ -50,26 +54,35 @@ class RunPanel:
                 self.rows = {run.name: RunRow(run.name, self.runs, self.show_results) for run in runs}
         for run in runs:
             self.rows[run.name].show(run)
-        for run in runs:
-            if run.status == RUNNING:
-                await self._draw(run)
+        if (run := shown_run(runs)) is not None:
+            await self._draw(run)
 
     async def _draw(self, run: Run) -> None:
-        """Draw the present curves of a run at work."""
-        if self.drawn != run.name:
-            self.drawn = run.name
-            self.parts = {}
+        """Draw the curves of a run; those of another one stay until it has some."""
+        is_new = self.drawn != run.name
+        parts = {} if is_new else self.parts
+        seen = set(parts)
+        curves = await threads.io_bound(joined_curves, run.folder, parts)
+        if not curves or (not is_new and set(parts) == seen):
+            return
+        if is_new or self.plots.keys() != curves.keys():
             self.plots = {}
             self.curves.clear()
-        seen = len(self.parts)
-        curves = await threads.io_bound(joined_curves, run.folder, self.parts)
-        if not curves or len(self.parts) == seen:
-            return
+            with self.curves:
+                ui.label(f"{run.name}: greatest over the machine").classes("part w-full")
+        self.drawn, self.parts = run.name, parts
         for title, values in curves.items():
             if title not in self.plots:
                 with self.curves:
                     self.plots[title] = ui.plotly({}).classes("curve")
             self.plots[title].update_figure(curve_figure(title, values))
+
+
+def shown_run(runs: list[Run]) -> Run | None:
+    """Return the run whose curves are drawn: the one at work, else the newest that has a history."""
+    at_work = (run for run in runs if run.status == RUNNING)
+    ended = (run for run in runs if (run.folder / HISTORY).is_file())
+    return next(at_work, next(ended, None))
 
 
 class RunRow:
@@ -108,15 +121,23 @@ class RunRow:
         self.results.set_visibility(run.page.is_file())
 
 
-def joined_curves(folder: Path, parts: dict[Path, Curves]) -> Curves:
-    """Return the greatest values over the machine so far; `parts` caches those of earlier stages."""
-    paths = checkpoints.stage_files(folder)
-    for path in paths:
-        if path not in parts:
-            try:
-                parts[path] = greatest_over_time(checkpoints.stage_history(path), LIVE)
-            except ValueError:
-                # the run ends now and removes its checkpoints
-                return {}
-    titles = parts[paths[0]] if paths else {}
-    return {title: xr.concat([parts[path][title] for path in paths], "time") for title in titles}
+def joined_curves(folder: Path, parts: Parts) -> Curves:
+    """Return the greatest values over the machine, of the whole history if it is there, else of all stages.
+
+    `parts` caches the curves of files that have not changed.
+    """
+    history = folder / HISTORY
+    is_whole = history.is_file()
+    keys = []
+    for path in [history] if is_whole else checkpoints.stage_files(folder):
+        try:
+            key = path, path.stat().st_mtime_ns
+            if key not in parts:
+                read = History.load(path) if is_whole else checkpoints.stage_history(path)
+                parts[key] = greatest_over_time(read, LIVE)
+        except (ValueError, FileNotFoundError):
+            # the run ends now and removes its checkpoints
+            return {}
+        keys.append(key)
+    titles = parts[keys[0]] if keys else {}
+    return {title: xr.concat([parts[key][title] for key in keys], "time") for title in titles}
