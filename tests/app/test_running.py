@@ -1,5 +1,6 @@
 """Curves of runs on the page, from the files in their folders."""
 
+import asyncio
 from types import SimpleNamespace
 
 import numpy as np
@@ -8,11 +9,16 @@ import xarray as xr
 
 pytest.importorskip("nicegui", reason="the extra `app` is not installed")
 
+from nicegui import ui
+from nicegui.testing import user_simulation
+
 from exudyn_crawler import History
-from exudyn_crawler.app.running import LIVE, joined_curves, shown_run
+from exudyn_crawler.app.document import Document
+from exudyn_crawler.app.running import LIVE, RunPanel, joined_curves, shown_run
 from exudyn_crawler.files import HISTORY
 from exudyn_crawler.results.history.summary import greatest_over_time
-from exudyn_crawler.run.folder.queue import DONE, RUNNING, STOPPED
+from exudyn_crawler.run.folder.queue import DONE, RESULTS, RUNNING, STOPPED, Runs
+from exudyn_crawler.run.folder.record import CASE, RECORD
 
 
 def test_a_finished_run_has_the_curves_of_its_whole_history(translation, tmp_path):
@@ -63,3 +69,30 @@ def test_the_run_at_work_comes_before_the_newest_that_has_a_history(tmp_path):
     assert shown_run([stopped, newer, older, at_work]) is at_work
     assert shown_run([stopped]) is None
     assert shown_run([]) is None
+
+
+def test_every_page_that_opens_draws_the_finished_run(translation, tmp_path):
+    folder = tmp_path / RESULTS / "short"
+    folder.mkdir(parents=True)
+    translation.save(folder / HISTORY)
+    (folder / CASE).write_text('base = "translation"\n')
+    (folder / RECORD).write_text('{"status": "done"}')
+    panels = []
+
+    def root():
+        panels.append(RunPanel(Document(tmp_path), Runs(tmp_path), lambda _name: None))
+
+    async def opened_twice():
+        async with user_simulation(root=root) as user:
+            ui.page("/")(root)
+            for _ in range(2):
+                await user.open("/")
+                with panels[-1].curves:
+                    await panels[-1].refresh()
+
+    asyncio.run(opened_twice())
+    assert len(panels) == 2
+    for panel in panels:
+        assert panel.drawn == "short"
+        (plot,) = panel.plots.values()
+        assert max(plot.figure["data"][0]["x"]) == pytest.approx(float(translation.time[-1]))
