@@ -4,8 +4,6 @@ The kernels write the rows of all force elements at a state (`model.kinds`). The
 become forces and a stiffness on Exudyn's coordinates, which are one user force of the system.
 """
 
-from collections.abc import Callable
-
 import numpy as np
 
 from exudyn_crawler.engine.euler_parameters import BodyCoordinates
@@ -19,15 +17,12 @@ class KernelForces:
 
     `kernels` are the compiled equations of the same tables. Only the forces that they write are used, and the
     directions of a drive's pull on the chain (`joints.pull`): Exudyn's constraint of the frame's speed pushes
-    the frame with `drive_force` (N), but has no force on other bodies.
+    the frame, but has no force on other bodies.
     """
 
-    def __init__(
-        self, kernels: CompiledSystem, coordinates: BodyCoordinates, drive_force: Callable[[], float]
-    ) -> None:
+    def __init__(self, kernels: CompiledSystem, coordinates: BodyCoordinates) -> None:
         self._kernels = kernels
         self._coordinates = coordinates
-        self._drive_force = drive_force
         self._time = -np.inf
         self._matrices = 0  # at this time
 
@@ -64,12 +59,15 @@ class KernelForces:
         self._kernels.residual(state, self._kernels.inputs(time), None, weights)
         return self._kernels.work.forces.rows
 
-    def forces(self, time: float, q: np.ndarray, q_t: np.ndarray) -> np.ndarray:
-        """Return the forces on Exudyn's coordinates at a time (s): array (coordinates,)."""
+    def forces(self, time: float, q: np.ndarray, q_t: np.ndarray, drive_force: float) -> np.ndarray:
+        """Return the forces on Exudyn's coordinates at a time (s): array (coordinates,).
+
+        `drive_force` (N) is the multiplier of the frame's speed.
+        """
         forces = np.zeros(self._kernels.layout.coordinate_count)
         for rows in self._write_rows(time, q, q_t, NO_DERIVATIVES):
             forces += np.einsum("prk,pr->k", self._motions(rows), rows.wrench[: rows.acting[0]])
-        forces -= self._drive_force() * self._pulled()
+        forces -= drive_force * self._pulled()
         return self._coordinates.forces_of_state(q, forces)
 
     def _pulled(self) -> np.ndarray:

@@ -7,6 +7,7 @@ formulation is the check of the compiled equations.
 """
 
 import dataclasses
+import weakref
 from collections.abc import Callable
 from typing import Any
 
@@ -123,21 +124,19 @@ class ExudynSystem(track_system.TrackSystem):
         motors = machine.add_motors(mbs, names[pins + machine.DRIVES + holds :], kernels, shoes)
         machine.add_wrenches(mbs, kernels, shoes.markers)
         self.cells = kernels.cells
-        data: Any = mbs.systemData
+        forces = KernelForces(kernels, self._coordinates)
+        system = weakref.proxy(self)  # the engine does not free what its functions refer to
+        moved = self._drives[0]
 
-        def drive_force() -> float:
-            return float(data.GetAECoordinates()[data.GetObjectLTGAE(self._drives[0])[0]])
-
-        forces = KernelForces(kernels, self._coordinates, drive_force)
-
-        def force(_mbs, t, _item, q, q_t):
+        def force(mbs, t, _item, q, q_t):
             at = t, np.array(q), np.array(q_t)
-            self._cover(*at)
-            return forces.forces(*at)
+            system._cover(*at)
+            data = mbs.systemData
+            return forces.forces(*at, data.GetAECoordinates()[data.GetObjectLTGAE(moved)[0]])
 
         def stiffness(_mbs, t, _item, q, q_t, position, velocity):
             at = t, np.array(q), np.array(q_t)
-            self._cover(*at)
+            system._cover(*at)
             return sparse(forces.stiffness(*at, position, velocity))
 
         mbs.AddObject(
@@ -162,10 +161,11 @@ class ExudynSystem(track_system.TrackSystem):
     def _add_force(self, nodes: list[int], forces: Callable[[np.ndarray, np.ndarray], np.ndarray]) -> None:
         """Add the ground's forces on a state's coordinates, by these and their rates, as one user force."""
         coordinates = self._coordinates
+        system = weakref.proxy(self)
 
         def force(_mbs, t, _item, q, q_t):
             places = np.array(q)
-            self._cover(t, places, np.array(q_t))
+            system._cover(t, places, np.array(q_t))
             return coordinates.forces_of_state(places, forces(*coordinates.to_state(places, np.array(q_t))))
 
         massless = exu.MatrixContainer()

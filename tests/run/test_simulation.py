@@ -26,6 +26,7 @@ from exudyn_crawler.run.solve import simulation, stages
 from exudyn_crawler.run.solve.equilibrium import static_equilibrium
 from exudyn_crawler.run.solve.simulation import integrate
 from studies.grounds import plain
+from tests.rolled import small_case
 
 pytestmark = pytest.mark.simulation
 
@@ -203,8 +204,11 @@ def test_progress_is_quiet_off_a_terminal_and_shows_time_and_speed_when_asked(ca
         assert words in shown
 
 
-@pytest.mark.parametrize("formulation", ["compiled", "engine"])
-def test_nothing_of_a_run_stays_in_memory(formulation, monkeypatch):
+@pytest.mark.parametrize(
+    ("case", "formulation"),
+    [(Case.translation(), "compiled"), (Case.translation(), "engine"), (small_case(), "engine")],
+)
+def test_nothing_of_a_run_stays_in_memory(case, formulation, monkeypatch):
     built, build = [], simulation.formulation.track_system
 
     def noted(case):
@@ -213,7 +217,7 @@ def test_nothing_of_a_run_stays_in_memory(formulation, monkeypatch):
         return system
 
     monkeypatch.setattr(simulation.formulation, "track_system", noted)
-    simulate(Case.translation().with_({"formulation": formulation}), 0.01, progress=False)
+    simulate(case.with_({"formulation": formulation}), 0.01, progress=False)
     gc.collect()
     assert [one() for one in built] == [None]
 
