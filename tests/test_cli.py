@@ -2,6 +2,7 @@
 
 import importlib.metadata
 import json
+import os
 import re
 import shlex
 import subprocess
@@ -221,6 +222,19 @@ def test_help_a_case_and_a_refusal_load_nothing_heavy():
 def test_versions_are_told(told):
     version = importlib.metadata.version("exudyn-crawler")
     assert told("--version").startswith(f"exudyn-crawler {version}, exudyn 1.")
+
+
+def test_names_with_letters_that_a_console_lacks_are_told(tmp_path):
+    (tmp_path / "own.toml").write_text('base = "turning"\nname = "\u571f"\n', encoding="utf-8")
+    done = subprocess.run(
+        [sys.executable, "-m", "exudyn_crawler", "info", "own.toml"],
+        cwd=tmp_path,
+        env={**os.environ, "PYTHONIOENCODING": "cp1252"},
+        capture_output=True,
+        check=False,
+    )
+    assert (done.returncode, done.stderr) == (0, b"")
+    assert b"\\u571f" in done.stdout
 
 
 INTERRUPTED = "error: interrupted; run the same command again to continue\n"

@@ -1,6 +1,7 @@
 """Results: page of a run, comparison of two runs, life, checks, and all files of these."""
 
 import asyncio
+import os
 from collections.abc import Awaitable, Callable
 from pathlib import Path
 from urllib.parse import quote
@@ -12,7 +13,7 @@ from exudyn_crawler.app.document import Document
 from exudyn_crawler.app.serving import FILES
 from exudyn_crawler.files import whole_file, writable_folder
 from exudyn_crawler.machines import write_case
-from exudyn_crawler.run.folder.queue import COMMAND, Runs
+from exudyn_crawler.run.folder.queue import COMMAND, IN_UTF8, Runs
 from exudyn_crawler.settings import fields
 
 SAVED = (".html", ".csv", ".png", ".mp4", ".nc", ".toml", ".pdf", ".svg")
@@ -31,6 +32,7 @@ async def command(folder: Path, *words: object) -> tuple[bool, str]:
         *COMMAND,
         *map(str, words),
         cwd=folder,
+        env=os.environ | IN_UTF8,
         stdin=asyncio.subprocess.DEVNULL,
         stdout=asyncio.subprocess.PIPE,
         stderr=asyncio.subprocess.STDOUT,

@@ -16,6 +16,7 @@ from functools import partial, wraps
 from importlib import resources
 from importlib.metadata import EntryPoints, entry_points, requires
 from importlib.util import find_spec
+from io import TextIOWrapper
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -212,6 +213,10 @@ def call(app: typer.Typer) -> None:
     interrupt outside of a run, and 1 for all other errors, such as a full disk.
     """
     signal.signal(signal.SIGTERM, signal.default_int_handler)
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, TextIOWrapper):
+            # a console or pipe of Windows has not all letters that a name may have
+            stream.reconfigure(errors="backslashreplace")
     lines: list[str] = []
     with warnings.catch_warnings():
         warnings.showwarning = _show_warning

@@ -40,6 +40,8 @@ STARTED = ".process"  # file with the number of the process that the queue start
 LINES = 3  # number of last lines shown of a failed run
 WAITING, RUNNING, STOPPED, FAILED, DONE = "waiting", "running", "stopped", "failed", record.DONE
 GOES_ON = (STOPPED, FAILED)
+IN_UTF8 = {"PYTHONUTF8": "1"}
+"""Variable of a command whose lines this program reads: Windows would encode them otherwise."""
 COMMAND = (sys.executable, "-m", "exudyn_crawler")
 
 
@@ -200,6 +202,7 @@ class Runs:
                 cwd=self.folder.parent,
                 start_new_session=True,
                 creationflags=NEW_GROUP,
+                env=os.environ | IN_UTF8,
             )
         (home / STARTED).write_text(str(process.pid), encoding="utf-8")
         (home / WAITS).unlink(missing_ok=True)
