@@ -85,6 +85,9 @@ def assess(
         settings = settings or asked.settings
     checks.warn_of([*checks.out_of_range(settings), *_odd_payload(case, settings)])
     named_runs = [_history_of(named) for named in ([run] if isinstance(run, str | Path) else run)]
+    sources = [*([] if isinstance(machine, Case) else [machine]), *(path for _, path, _ in named_runs)]
+    # before the work: the files may change meanwhile
+    checksums = signed.input_sums(sources, case, settings)
     runs = [
         (load_case, run_forces.forces_of_run(History.load(path), name))
         for load_case, path, name in named_runs
@@ -92,8 +95,6 @@ def assess(
     found = assessment_of(case, settings, given=given, origins=origins, sheet=sheet, runs=runs, say=say)
     if folder is not None:
         write_assessment(found, files.writable_folder(folder), overwrite)
-        sources = [*([] if isinstance(machine, Case) else [machine]), *(path for _, path, _ in named_runs)]
-        checksums = signed.input_sums(sources, case, settings)
         of_machine = case.gear.words(case)
         report = pages.signed_assessment(found, of_machine, checksums, record.program_line())
         drawn = {name.capitalize(): drawings.file_name(name) for name in pages.SIGNED_FIGURES}

@@ -54,16 +54,18 @@ def life(
     sources = [] if isinstance(duty, Duty) else [Path(duty)]
     duty = duty if isinstance(duty, Duty) else read_duty(duty)
     folder = _folder(duty, out, FILES, overwrite)
+    histories = [path for run in duty.runs if (path := _history_of(run)).is_file()]
+    # before the work: the files may change meanwhile
+    checksums = signed.input_sums([*sources, *histories], duty)
     lives = stage_lives(duty, say)
     total = results.life_of_stages(duty, lives) if duty.stages else lives[0]
     if folder is not None:
         write_life(total, files.writable_folder(folder), overwrite)
-        checksums = signed.input_sums([*sources, *(_history_of(run) for run in duty.runs)], duty)
         report = pages.signed_life(total, checksums, record.program_line())
         signed.store(
             report,
             folder,
-            {"Life that most shoes survive (black: not known, or mesh too coarse)": SHOE},
+            {pages.SHOE_CAPTION: SHOE},
             overwrite,
         )
     return total

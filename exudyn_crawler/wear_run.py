@@ -65,6 +65,9 @@ def wear(
         ):
             files.refuse_existing(folder / name, overwrite)
     paths = {(duty.name, run.name): _history_of(run) for duty in plan.duties for run in duty.runs}
+    # before the work: the files may change meanwhile
+    sources += [] if plan.inspections is None else [Path(plan.inspections)]
+    checksums = signed.input_sums([file for file in (*sources, *paths.values()) if file.is_file()], plan)
     found = None if plan.inspections is None else forecast(plan, read_inspections(plan.inspections))
     duties = []
     for duty in plan.duties:
@@ -75,9 +78,6 @@ def wear(
     results = WearResults(plan, found, tuple(duties))
     if folder is not None:
         write_wear(results, files.writable_folder(folder), overwrite)
-        if plan.inspections is not None:
-            sources.append(Path(plan.inspections))
-        checksums = signed.input_sums([*sources, *paths.values()], plan)
         case = results.case
         machine = "" if case is None else case.gear.words(case)
         report = pages.signed_wear(results, machine, checksums, record.program_line())

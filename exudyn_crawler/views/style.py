@@ -22,6 +22,8 @@ shape."""
 PHASE_BANDS, PHASE_NAME = ("#eef2f6", "#fbfaf4"), "#66727d"
 """Colours of the bands of phases behind curves, in turn, and of the names of phases."""
 
+NOT_KNOWN = "#9aa3a9"  # colour of a missing value
+
 MEGA = 1e6
 KILO = 1e3
 MILLI = 1e-3
@@ -60,8 +62,9 @@ def save_figure(figure: Figure, path: Path, overwrite: bool = False) -> Path:
 
 
 def colour_map(colours: str | tuple[str, ...]) -> mpl.colors.Colormap:
-    """Return the colour map of a name, or one with a colour for each whole number from 0."""
-    return mpl.colormaps[colours] if isinstance(colours, str) else mpl.colors.ListedColormap(colours)
+    """Return the colour map of a name, or of one colour for each whole number; NaN is grey."""
+    known = mpl.colormaps[colours] if isinstance(colours, str) else mpl.colors.ListedColormap(colours)
+    return known.with_extremes(bad=NOT_KNOWN)
 
 
 def scale_of(low: float, high: float, colours: str) -> mpl.cm.ScalarMappable:

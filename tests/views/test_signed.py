@@ -97,6 +97,13 @@ def test_flexible_shoes_have_their_stress_with_its_verdict(stress_folder):
     assert verdict
 
 
+def test_few_values_leave_the_figures_on_the_second_page():
+    picture = signed.picture(signed_run.style.Figure(figsize=(6.0, 1.0)))
+    short = replace(HARMLESS, figures={"Drawn": picture})
+    assert len(signed.typeset(short, "png")) == 2
+    assert len(signed.typeset(replace(short, assumed=(("a", "1"),) * 20), "png")) == 1
+
+
 def test_no_text_is_read_as_markup():
     (pdf,) = signed.typeset(HARMLESS)
     assert pdf.startswith(b"%PDF-")

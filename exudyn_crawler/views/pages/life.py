@@ -61,7 +61,7 @@ CAUSES = (
     "Machine hours after which each run or check case alone would crack a region: the darker, the sooner. "
     "With stages of wear the damage of all stages until the crack counts."
 )
-SHOE_CAPTION = "Life that most shoes survive (black: not known, or mesh too coarse)"
+SHOE_CAPTION = "Life that most shoes survive (grey: not known, or mesh too coarse)"
 WHY = ("verdict", "main part")
 ASKED = "After how many machine hours of this duty does a shoe crack, where, and by which part of the duty?"
 MOVES = (
