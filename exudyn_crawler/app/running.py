@@ -54,8 +54,8 @@ class RunPanel:
                 self.rows = {run.name: RunRow(run.name, self.runs, self.show_results) for run in runs}
         for run in runs:
             self.rows[run.name].show(run)
-        if (run := shown_run(runs)) is not None:
-            await self._draw(run)
+        if (shown := shown_run(runs)) is not None:
+            await self._draw(shown)
 
     async def _draw(self, run: Run) -> None:
         """Draw the curves of a run; those of another one stay until it has some."""
