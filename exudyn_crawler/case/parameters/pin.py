@@ -12,11 +12,12 @@ KINDS = Path(__file__).with_name("pin_kinds.csv")
 RADIUS, LENGTH = 0.105, 0.6
 """Radius of a pin and length of its bearing in pitches: diameter 0.20 to 0.22 (remembered), length
 assumed."""
-RUBBER = 4.7e5
+RUBBER = 1.2e5
 """Torsional stiffness of a rubber bush over the pitch cubed, N/(m2 rad) (assumed).
 
 A sleeve of shear modulus G and length L between radii a and b has ``4 pi G L / (1/a^2 - 1/b^2)``:
-1.7 kN m/rad for 1 MPa, 0.3 m, 14 and 18.5 mm at a pitch of 0.154 m.
+1.7 kN m/rad for 1 MPa, 0.3 m, 14 and 18.5 mm at a pitch of 0.154 m. The lugs of both shoes are bushed
+(remembered): each has half of the length, and both twist in series about the pin, a quarter of that.
 """
 
 PinKind = Literal["ideal", "dry", "greased", "sealed", "needles", "rubber"]
@@ -71,7 +72,7 @@ class LinkPin(Parameters):
     )
     stiffness: float | None = quantity(
         "N m/rad",
-        "torsional stiffness of a rubber bush; none: 0.47 MPa x pitch cubed",
+        "torsional stiffness of a rubber bush; none: 0.12 MPa x pitch cubed",
         (100.0, 2e4),
         ge=0,
         le=1e9,

@@ -13,6 +13,14 @@ from exudyn_crawler.model.markers import Markers
 from exudyn_crawler.model.rows import ALONG_JACOBIAN, STIFFNESS, JointRows, Motion
 
 
+SLOW = 10.0
+"""Commanded speed over `Motors.lag` below which a motor lags by the same fraction of its speed."""
+STEEP = 0.95
+"""Torque over the greatest one up to which a motor's law is steep enough to be inverted."""
+BRAKE = 1e-3
+"""Lag of a motor that has to stand, over `Motors.lag`."""
+
+
 class Motors(NamedTuple):
     """Motors, one row each; k of them.
 
@@ -23,14 +31,33 @@ class Motors(NamedTuple):
     first: int  # row of the first one
     bodies: Ints2  # (k, 2): frame, and the tumbler that turns against it or the idler that does not
     limit: Floats1  # (k,): greatest torque, N m; infinite where the speed is kept
-    lag: Floats1  # (k,): rad/s at which there is 0.7 of the greatest torque
+    lag: Floats1  # (k,): rad/s at which there is 0.7 of the greatest torque, see `droop`
 
 
 @inner
-def torque(limit: float, width: float, lag: float) -> tuple[float, float]:
-    """Return the torque (N m) of a motor at a `lag` (rad/s) behind its speed, and its slope; see `Motors`."""
-    root = math.sqrt(lag * lag + width * width)
-    return limit * lag / root, limit * width * width / root**3
+def droop(lag: float, wanted: float) -> float:
+    """Return the lag (rad/s) with 0.7 of the greatest torque at a commanded speed (rad/s); see `Motors`.
+
+    It falls with a speed below `SLOW` times `lag`. A motor that has to stand holds as a brake does.
+    """
+    return lag * min(1.0, max(BRAKE, abs(wanted) / (SLOW * lag)))
+
+
+@inner
+def torque(limit: float, width: float, lag: float, held: float) -> tuple[float, float]:
+    """Return the torque (N m) of a motor at a `lag` (rad/s) behind its speed, linearized, and its slope.
+
+    The law ``limit lag / sqrt(lag^2 + width^2)`` is linearized where it has the torque `held` of the present
+    iteration: from the lag alone a steep law would end far beyond. Near its limit it is linearized at the lag.
+    """
+    part = held / limit
+    if abs(part) < STEEP:
+        ratio = part / math.sqrt(1.0 - part * part)
+    else:
+        ratio = lag / width
+    root = math.sqrt(1.0 + ratio * ratio)
+    slope = limit / (width * root**3)
+    return limit * ratio / root + slope * (lag - width * ratio), slope
 
 
 @inner
@@ -53,7 +80,8 @@ def write_rows(motors: Motors, bodies: Bodies, markers: Markers, motion: Motion,
         rows.relaxation[row] = 0.0
         rows.directed[row] = ALONG_JACOBIAN
         if motors.limit[k] < np.inf:
-            moment, slope = torque(motors.limit[k], motors.lag[k], lag)
+            width = droop(motors.lag[k], motion.inputs.motors[k])
+            moment, slope = torque(motors.limit[k], width, lag, -motion.multipliers[row])
             rows.gap[row] = moment
             rows.scale[row] = 1.0
             rows.slope[row] = -motion.weights.velocity * slope
