@@ -9,7 +9,9 @@ from exudyn_crawler.case import Heights, statics
 from exudyn_crawler.errors import UnbalancedWarning
 from exudyn_crawler.ground.cells.laws.bekker import BekkerSoil
 from exudyn_crawler.ground.laws import Coulomb, friction_per_slip
+from exudyn_crawler.machines.datasheet.derive import derived
 from exudyn_crawler.results.history.summary import unbalanced
+from tests.results.test_machine_answers import SHEET
 from tests.rolled import small_case
 
 pytestmark = pytest.mark.simulation
@@ -111,3 +113,16 @@ def test_a_machine_that_hangs_in_the_air_warns():
     body, force = unbalanced(history)
     assert body == "side frame"
     assert f"{1e-3 * force:.4g} kN" in str(warned[0].message)
+
+
+def test_a_drive_that_has_to_stand_holds_as_a_brake():
+    """A machine whose drive has a torque limit stays on a grade; without a brake it would roll back."""
+    case = derived(SHEET).case
+    changes = GRADE | {"gear.torque_limit": 5e4}
+    history = simulate(parked(case.with_(changes)), 0.4, progress=False)
+    place = history.side_frame_position.sel(axis="x")
+    late = place[-1] - place.sel(time=0.2, method="nearest")
+    assert abs(float(late)) < 0.2 * 1e-4
+    held = float(np.abs(history.drive_moment.isel(time=-1)).sum())
+    weight = 35371.0 * case.gravity
+    assert held > 0.09 * weight * case.gear.tumbler.radius(case.track.pitch)

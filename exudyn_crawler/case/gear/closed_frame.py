@@ -119,8 +119,8 @@ class ClosedFrame(RunningGear):
     )
     torque_speed: base.Speed = quantity(
         "rad/s",
-        "speed deficit of the tumbler at which the drive has 0.7 of its greatest torque; a tenth of the speed at"
-        " most, and nearly none at rest",
+        "speed deficit of the tumbler at which the drive has 0.7 of its greatest torque; a tenth of the speed"
+        " at most, and nearly none at rest",
         (1e-5, 1.0),
         default=0.01,
     )

@@ -12,7 +12,6 @@ from exudyn_crawler.model.bodies import Bodies, attitude_of
 from exudyn_crawler.model.markers import Markers
 from exudyn_crawler.model.rows import ALONG_JACOBIAN, STIFFNESS, JointRows, Motion
 
-
 SLOW = 10.0
 """Commanded speed over `Motors.lag` below which a motor lags by the same fraction of its speed."""
 STEEP = 0.95
@@ -48,13 +47,10 @@ def torque(limit: float, width: float, lag: float, held: float) -> tuple[float, 
     """Return the torque (N m) of a motor at a `lag` (rad/s) behind its speed, linearized, and its slope.
 
     The law ``limit lag / sqrt(lag^2 + width^2)`` is linearized where it has the torque `held` of the present
-    iteration: from the lag alone a steep law would end far beyond. Near its limit it is linearized at the lag.
+    iteration: from the lag alone a steep law would end far beyond. Near its limit it is so at the lag.
     """
     part = held / limit
-    if abs(part) < STEEP:
-        ratio = part / math.sqrt(1.0 - part * part)
-    else:
-        ratio = lag / width
+    ratio = part / math.sqrt(1.0 - part * part) if abs(part) < STEEP else lag / width
     root = math.sqrt(1.0 + ratio * ratio)
     slope = limit / (width * root**3)
     return limit * ratio / root + slope * (lag - width * ratio), slope
