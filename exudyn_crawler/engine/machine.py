@@ -13,6 +13,7 @@ from exudyn_crawler.model.assemble import Assembly
 from exudyn_crawler.model.compiled_system import CompiledSystem
 from exudyn_crawler.model.exudyn import EulerParameters2G, EulerParameters2RotationMatrix, exu, items
 from exudyn_crawler.model.inputs import Inputs
+from exudyn_crawler.model.joints.motor import BRAKE, SLOW
 from exudyn_crawler.model.joints.pin import ROWS, Pins
 
 PIN = [1, 1, 1, 1, 0, 1]
@@ -185,10 +186,11 @@ def _add_torque(mbs: "exu.MainSystem", name: str, motor: int, kernels: CompiledS
     """Add the torque of a motor by the lag behind its rate, see `joints.motor`; return its number."""
     motors = kernels.tables.joints.motors
     inputs = at_time(kernels)
-    limit, width = motors.limit[motor], motors.lag[motor]
+    limit, slow = motors.limit[motor], SLOW * motors.lag[motor]
 
     def wrench(_mbs, t, _item, _displacement, _rotation, _velocity, rate, *_rest):
-        lag = inputs(t).motors[motor] - rate[1]
+        wanted = inputs(t).motors[motor]
+        lag, width = wanted - rate[1], motors.lag[motor] * np.clip(abs(wanted) / slow, BRAKE, 1.0)
         return [0.0, 0.0, 0.0, 0.0, -limit * lag / np.hypot(lag, width), 0.0]
 
     nodes = [shoes.nodes[body] for body in motors.bodies[motor]]
