@@ -66,7 +66,7 @@ def add_drive(
     """Prescribe the velocity along x of the drive's point, and a body's rate about its own z axis.
 
     The body is the front shoe. On a machine that rolls, the point is in its side frame. `speeds` gives both
-    speeds (m/s and rad/s) at a time (s). Neither is active before `ExudynSystem.switch_drive`.
+    speeds (m/s and rad/s) at a time (s). `ExudynSystem.switch_drive` makes them active.
 
     Constraints are on velocity level, so that a halved step leaves no error in the acceleration.
     """

@@ -68,6 +68,8 @@ class ExudynSystem(track_system.TrackSystem):
         self._solver: Any = None  # that integrates, else None
         self._covered = 0.0  # time for which the cells are covered, s
         self._assemble(assembly, static)
+        if not static:
+            self.switch_drive(True)
         self.layout, self._rows = self._layout_of(assembly)
 
     def _assemble(self, assembly: Assembly, static: bool) -> None:

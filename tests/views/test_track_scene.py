@@ -164,7 +164,7 @@ def test_a_ground_figure_shows_what_every_shoe_carries(step):
     figure = ground_figure(step, 0.05)
     view, carried = figure.axes
     assert view.get_title() == "step, t = 0.05 s"
-    assert [text.get_text() for text in view.get_legend().get_texts()] == ["units", "shoes", "link pins"]
+    assert [text.get_text() for text in view.get_legend().get_texts()] == ["ground", "shoes", "link pins"]
     heights = [bar.get_height() for bar in carried.patches]
     _, forces = shoe_forces(last(step).dataset)
     assert heights == pytest.approx(1e-3 * forces[0, :, 2])
