@@ -13,6 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 import scipy.linalg
+from threadpoolctl import threadpool_limits
 
 from exudyn_crawler.case import Case, Terrain
 from exudyn_crawler.ground.compiled import inner, kernel
@@ -170,12 +171,14 @@ TerrainCoordinates = TerrainModes | UnitCoordinates
 
 
 @lru_cache(maxsize=4)
+@threadpool_limits.wrap(limits=1, user_api="blas")
 def terrain_modes(terrain: Terrain) -> TerrainModes:
     """Return the vibration modes of a terrain whose neighbouring units meet at one height.
 
     Every shared face gives one equation between the heaves and tilts of two units. The modes span the null
     space of all equations: 10 + 5 modes for 10 x 5 pitching units, 19 + 13 for 19 x 13 units. They are kept:
-    every system of a start needs them, and hundreds of units take a tenth of a second.
+    every system of a start needs them, and hundreds of units take a tenth of a second. One thread finds
+    them, in a run or before it, so that they have the same bits.
     """
     count = terrain.unit_count
     joints = terrain_joints(terrain)
