@@ -53,22 +53,13 @@ def test_type_checkers_find_the_types_of_a_package_and_its_stub_names_what_all_d
     assert sorted(re.findall(r"(?m)^from \S+ import (\w+) as \1$", stub)) == package.__all__
 
 
-def checked_by_mypy(script, tmp_path):
-    """Return what mypy says of a script in a folder that knows the packages only as installed ones."""
+def checked_by_mypy(folder, *scripts):
+    """What mypy says of scripts in a folder that knows the packages only as installed ones."""
     place = str(Path(exudyn_crawler.__file__).parents[1])
-    command = [
-        sys.executable,
-        "-m",
-        "mypy",
-        "--strict",
-        "--config-file",
-        "",
-        "--cache-dir",
-        str(tmp_path / "cache"),
-    ]
+    command = [sys.executable, "-m", "mypy", "--strict", "--config-file", "", "--cache-dir", "cache"]
     return subprocess.run(
-        [*command, script.name],
-        cwd=tmp_path,
+        [*command, *scripts],
+        cwd=folder,
         env={**os.environ, "PYTHONPATH": place},
         capture_output=True,
         text=True,
@@ -79,16 +70,16 @@ def checked_by_mypy(script, tmp_path):
 @pytest.mark.simulation
 def test_a_users_script_is_right_in_types_and_a_wrong_one_is_told(tmp_path):
     text = USERS.read_text(encoding="utf-8")
-    script = tmp_path / "mine.py"
-    script.write_text(text, encoding="utf-8")
-    done = checked_by_mypy(script, tmp_path)
-    assert done.returncode == 0, done.stdout + done.stderr
     wrong = text.replace(
         "simulate(Case.translation(), duration=0.01)", 'simulate("translation", duration=[])'
     )
     assert wrong != text
-    script.write_text(wrong, encoding="utf-8")
-    assert checked_by_mypy(script, tmp_path).stdout.count("[arg-type]") == 2
+    for name, content in {"mine.py": text, "wrong.py": wrong}.items():
+        (tmp_path / name).write_text(content, encoding="utf-8")
+    done = checked_by_mypy(tmp_path, "mine.py", "wrong.py")
+    errors = [line for line in done.stdout.splitlines() if ": error: " in line]
+    assert [line.split(":")[0] for line in errors] == ["wrong.py"] * 2, done.stdout + done.stderr
+    assert all("[arg-type]" in line for line in errors)
 
 
 @pytest.mark.parametrize("name", ["exudyn_crawler", "fem", "meshes"])
